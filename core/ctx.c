@@ -1,0 +1,132 @@
+/* SPDX-License-Identifier: MIT */
+#include "core/ctx.h"
+
+#include <omp.h>
+#include <stdarg.h>
+#include <stdatomic.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+enum { alignment = 64 };
+
+/* Each block is preceded by one cache line that remembers its whole size, because hosts'
+ * release hooks ask for it and callers of ncr_free should not have to. */
+typedef struct block {
+    _Alignas(alignment) size_t total;
+} block;
+_Static_assert(sizeof(block) == alignment, "the header keeps the payload aligned");
+
+unsigned ncr_ctx_workers(const ncr_ctx *ctx)
+{
+    if (!ctx)
+        return 1;
+    return ctx->workers ? ctx->workers : (unsigned)omp_get_num_procs();
+}
+
+void *ncr_alloc(const ncr_ctx *ctx, size_t size)
+{
+    if (size > SIZE_MAX - 2 * alignment)
+        return NULL;
+    const size_t total = sizeof(block) + (size + alignment - 1) / alignment * alignment;
+    block *b = ctx && ctx->alloc ? ctx->alloc(ctx->user, total, alignment)
+                                 : aligned_alloc(alignment, total);
+    if (!b) {
+        ncr_fail(ctx, NCR_E_NOMEM, "out of memory: %zu bytes were refused", size);
+        return NULL;
+    }
+    b->total = total;
+    return b + 1;
+}
+
+void *ncr_alloc_zero(const ncr_ctx *ctx, size_t count, size_t size)
+{
+    if (size && count > SIZE_MAX / size)
+        return NULL;
+    void *ptr = ncr_alloc(ctx, count * size);
+    return ptr ? memset(ptr, 0, count * size) : NULL;
+}
+
+void ncr_free(const ncr_ctx *ctx, void *ptr)
+{
+    if (!ptr)
+        return;
+    block *b = (block *)ptr - 1;
+    if (ctx && ctx->release)
+        ctx->release(ctx->user, b, b->total);
+    else
+        free(b);
+}
+
+ncr_status ncr_fail(const ncr_ctx *ctx, ncr_status status, const char *format, ...)
+{
+    if (ctx && ctx->report) {
+        char sentence[512];
+        va_list args;
+        va_start(args, format);
+        vsnprintf(sentence, sizeof sentence, format, args);
+        va_end(args);
+        ctx->report(ctx->user, status, sentence);
+    }
+    return status;
+}
+
+bool ncr_cancelled(const ncr_ctx *ctx)
+{
+    return ctx && ctx->cancelled && ctx->cancelled(ctx->user);
+}
+
+void ncr_progress(const ncr_ctx *ctx, const char *stage, double done)
+{
+    if (ctx && ctx->progress)
+        ctx->progress(ctx->user, stage, done);
+}
+
+/* Wraps the caller's body so that a cancelled loop skips what is left of its chunks. */
+typedef struct cancellable {
+    const ncr_ctx *ctx;
+    ncr_range_fn *fn;
+    void *arg;
+    atomic_bool stopped;
+} cancellable;
+
+static void run_chunk(size_t begin, size_t end, unsigned worker, void *arg)
+{
+    cancellable *c = arg;
+    if (atomic_load_explicit(&c->stopped, memory_order_relaxed))
+        return;
+    if (ncr_cancelled(c->ctx)) {
+        atomic_store_explicit(&c->stopped, true, memory_order_relaxed);
+        return;
+    }
+    c->fn(begin, end, worker, c->arg);
+}
+
+static void openmp_for(unsigned workers, size_t count, size_t grain, ncr_range_fn *fn, void *arg)
+{
+    const size_t chunks = (count + grain - 1) / grain;
+    const int team = (int)(workers < chunks ? workers : chunks);
+#pragma omp parallel for schedule(dynamic, 1) num_threads(team)
+    for (size_t k = 0; k < chunks; k++) {
+        const size_t begin = k * grain;
+        const size_t end = count - begin < grain ? count : begin + grain;
+        fn(begin, end, (unsigned)omp_get_thread_num(), arg);
+    }
+}
+
+ncr_status ncr_parallel_for(const ncr_ctx *ctx, size_t count, size_t grain, ncr_range_fn *fn,
+                            void *arg)
+{
+    if (count == 0)
+        return NCR_OK;
+    if (grain == 0)
+        return ncr_fail(ctx, NCR_E_ARG, "ncr_parallel_for: grain is 0");
+
+    cancellable c = {.ctx = ctx, .fn = fn, .arg = arg};
+    atomic_init(&c.stopped, false);
+    if (ctx && ctx->parallel_for)
+        ctx->parallel_for(ctx->user, count, grain, run_chunk, &c);
+    else
+        openmp_for(ncr_ctx_workers(ctx), count, grain, run_chunk, &c);
+    return atomic_load(&c.stopped) ? NCR_E_CANCELLED : NCR_OK;
+}

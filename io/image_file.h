@@ -1,0 +1,54 @@
+/* SPDX-License-Identifier: MIT
+ * image_file.h - images on disk: OpenEXR, Radiance HDR, PNG of 8 and 16 bits. */
+#ifndef NCR_IO_IMAGE_FILE_H
+#define NCR_IO_IMAGE_FILE_H
+
+#include "core/image.h"
+
+NCR_BEGIN
+
+/** How linear values become file values. */
+typedef struct ncr_image_write_opts {
+    size_t struct_size;
+    double exposure;     /* PNG only: factor before clip and sRGB curve; 0: 1 */
+    bool half;           /* EXR only: store halves (values past 65504 fail with NCR_E_LIMIT) */
+    const char *comment; /* stored as text where the format has a place; may be NULL */
+} ncr_image_write_opts;
+
+/**
+ * Write an image; the extension of `path` (.exr .hdr .png) chooses the format.
+ *
+ * PNG: 1, 3 or 4 channels, 8 bits, sRGB. HDR: 3 channels. EXR: 1..8 channels, float, named Y, RGB,
+ * RGBA or the first letters of `channel_names` by the caller's own writer.
+ *
+ * @return  NCR_E_ARG (unknown extension, channel count), NCR_E_IO, NCR_E_LIMIT, NCR_E_NOMEM
+ *
+ * Atomic: a temporary file in the same folder is renamed over `path` once complete and synced; on
+ * failure nothing is left behind and an earlier file is untouched.
+ */
+NCR_API ncr_status ncr_image_write(const ncr_ctx *ctx, const char *path, const ncr_image *image,
+                                   const ncr_image_write_opts *opts);
+
+/**
+ * Read an image, format known by its first bytes, not its name. EXR: RGB(A) or Y, scanline or
+ * tiled (level 0), any compression the build can decode; HDR: both run-length forms and flat; PNG:
+ * 8 and 16 bits, sRGB decoded to linear, alpha dropped.
+ *
+ * @return  NCR_E_IO (missing, unreadable), NCR_E_FORMAT (the sentence says where), NCR_E_LIMIT,
+ *          NCR_E_BACKEND (a compression that this build cannot read), NCR_E_NOMEM
+ *
+ * Non-finite values become 0 and are counted in *nonfinite (may be NULL).
+ */
+NCR_API ncr_status ncr_image_read(const ncr_ctx *ctx, const char *path, ncr_image *out,
+                                  uint64_t *nonfinite);
+
+/** 16-bit PNG of 1, 2, 3 or 4 channels, as raw integers: rows from the top. */
+NCR_API ncr_status ncr_png16_write(const ncr_ctx *ctx, const char *path, uint32_t width,
+                                   uint32_t height, uint32_t channels, const uint16_t *data);
+/** Read one back; *data is released with ncr_free. The file must be 16 bits per channel. */
+NCR_API ncr_status ncr_png16_read(const ncr_ctx *ctx, const char *path, uint32_t *width,
+                                  uint32_t *height, uint32_t *channels, uint16_t **data);
+
+NCR_END
+
+#endif

@@ -1,0 +1,92 @@
+/* SPDX-License-Identifier: MIT
+ * lightfield.h - captured light at sample points: cubes of radiance with a one-texel apron, and
+ * the tiles they arrive in. */
+#ifndef NCR_SHADING_LIGHTFIELD_H
+#define NCR_SHADING_LIGHTFIELD_H
+
+#include "core/ctx.h"
+
+NCR_BEGIN
+
+enum { NCR_TILE_SIDE = 64 };
+
+/** A piece of one face of one point's cube: columns x.., rows y.., of radiance and distance. */
+typedef struct ncr_tile {
+    uint32_t point, face; /* face 0..5 */
+    uint32_t x, y, width, height;
+    const float *rgb; /* [height][width][3] linear radiance, finite, >= 0 */
+    const float *z;   /* [height][width] radial distance, frame units, +inf for sky; NULL: none */
+} ncr_tile;
+
+/** Where capture puts tiles: a light field in memory, a file, a test. `write` may be called from
+ *  several threads at once, each tile once, in any order. */
+typedef struct ncr_tile_sink {
+    void *user;
+    ncr_status (*write)(void *user, const ncr_tile *tile);
+} ncr_tile_sink;
+
+typedef enum ncr_texel_format {
+    NCR_TEXEL_HALF = 0, /* 4 halves: r g b 1 */
+    NCR_TEXEL_FLOAT,    /* 4 floats */
+} ncr_texel_format;
+
+typedef struct ncr_lightfield ncr_lightfield;
+
+typedef struct ncr_lightfield_opts {
+    size_t struct_size;
+    ncr_texel_format format;
+    bool depth;   /* keep the distance of each texel as float */
+    int exponent; /* stored radiance = radiance 2^-exponent, so that a sun fits into half */
+} ncr_lightfield_opts;
+
+/**
+ * An empty light field for `points` cubes of 6 n^2 texels.
+ *
+ * @param n     1..4096
+ * @return      NCR_E_ARG, NCR_E_NOMEM
+ */
+NCR_API ncr_status ncr_lightfield_create(const ncr_ctx *ctx, uint32_t points, uint32_t n,
+                                         const ncr_lightfield_opts *opts, ncr_lightfield **out);
+NCR_API void ncr_lightfield_destroy(const ncr_ctx *ctx, ncr_lightfield *field);
+
+NCR_API uint32_t ncr_lightfield_points(const ncr_lightfield *field);
+NCR_API uint32_t ncr_lightfield_resolution(const ncr_lightfield *field);
+NCR_API bool ncr_lightfield_has_depth(const ncr_lightfield *field);
+NCR_API size_t ncr_lightfield_bytes(const ncr_lightfield *field);
+
+/** A sink that writes into this field; values past half's 65504 after scaling are clamped and
+ *  counted (ncr_lightfield_overflows). */
+NCR_API ncr_tile_sink ncr_lightfield_sink(ncr_lightfield *field);
+NCR_API uint64_t ncr_lightfield_overflows(const ncr_lightfield *field);
+
+/** Fill the aprons from the neighbouring faces once every tile is in: edges from the adjacent
+ *  face's texels, corners by the mean of the three that meet. Look-ups need it.   [H 2.4] */
+NCR_API ncr_status ncr_lightfield_seal(const ncr_ctx *ctx, ncr_lightfield *field);
+
+/** Texel as stored, rgb in radiance units; x,y < n (apron excluded); z may be NULL. */
+NCR_API void ncr_lightfield_texel(const ncr_lightfield *field, uint32_t point, uint32_t face,
+                                  uint32_t x, uint32_t y, float rgb[3], float *z);
+
+/** Radiance at `point` from direction d (any length, not zero): bilinear, seamless. */
+NCR_API ncr_vec3 ncr_lightfield_fetch(const ncr_lightfield *field, uint32_t point, ncr_vec3 d);
+
+/** Distance at `point` in direction d, of the nearest texel: never interpolated across a
+ *  silhouette; +inf for sky. The field has depth.                                   [S-15] */
+NCR_API float ncr_lightfield_distance(const ncr_lightfield *field, uint32_t point, ncr_vec3 d);
+
+/**
+ * Weighted look-ups in rows: out[k] += w[k] * L(point[k]; d[k]) for point[k] != NCR_NO_POINT.
+ *
+ * @param d    [3][count] structure of arrays, any length, not zero
+ * @param out  [3][count] structure of arrays
+ *
+ * Uses the processor's gather where it has one, and then agrees with ncr_lightfield_fetch to
+ * 4 ulp. Re-entrant, allocates nothing.
+ */
+NCR_API void ncr_lightfield_accumulate(const ncr_lightfield *field, size_t count,
+                                       const uint16_t *point, const float *const d[3],
+                                       const float *w, float *const out[3]);
+
+NCR_END
+
+#endif
