@@ -7,6 +7,7 @@
 #include "core/ctx.h"
 #include "core/half.h"
 #include "core/image.h"
+#include "core/nearest_word.h"
 #include "core/numerics.h"
 #include "core/random.h"
 #include "core/status.h"
