@@ -13,6 +13,7 @@
 #include "core/status.h"
 #include "geometry/frame.h"
 #include "geometry/scene.h"
+#include "geometry/shapes.h"
 #include "geometry/surface.h"
 #include "sampling/placement.h"
 #include "sampling/points.h"
