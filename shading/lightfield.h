@@ -9,6 +9,7 @@
 NCR_BEGIN
 
 enum { NCR_TILE_SIDE = 64 };
+enum { NCR_CUBE_MAX = 4096 }; /* texels per face side at most */
 
 /** A piece of one face of one point's cube: columns x.., rows y.., of radiance and distance. */
 typedef struct ncr_tile {
@@ -26,7 +27,7 @@ typedef struct ncr_tile_sink {
 } ncr_tile_sink;
 
 typedef enum ncr_texel_format {
-    NCR_TEXEL_HALF = 0, /* 4 halves: r g b 1 */
+    NCR_TEXEL_HALF = 0, /* 4 halves: r g b 1 (0 where nothing was captured) */
     NCR_TEXEL_FLOAT,    /* 4 floats */
 } ncr_texel_format;
 
@@ -77,15 +78,16 @@ NCR_API float ncr_lightfield_distance(const ncr_lightfield *field, uint32_t poin
 /**
  * Weighted look-ups in rows: out[k] += w[k] * L(point[k]; d[k]) for point[k] != NCR_NO_POINT.
  *
- * @param d    [3][count] structure of arrays, any length, not zero
- * @param out  [3][count] structure of arrays
+ * @param point  [count] below the number of points, or NCR_NO_POINT
+ * @param d      [3][count] structure of arrays, any length, not zero
+ * @param out    [3][count] structure of arrays
+ * @return       how many look-ups touched a texel that was never captured (stored as 0)
  *
- * Uses the processor's gather where it has one, and then agrees with ncr_lightfield_fetch to
- * 4 ulp. Re-entrant, allocates nothing.
+ * Every processor gives the bits of ncr_lightfield_fetch. Re-entrant, allocates nothing.
  */
-NCR_API void ncr_lightfield_accumulate(const ncr_lightfield *field, size_t count,
-                                       const uint16_t *point, const float *const d[3],
-                                       const float *w, float *const out[3]);
+NCR_API size_t ncr_lightfield_accumulate(const ncr_lightfield *field, size_t count,
+                                         const uint16_t *point, const float *const d[3],
+                                         const float *w, float *const out[3]);
 
 NCR_END
 

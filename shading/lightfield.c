@@ -1,0 +1,318 @@
+/* SPDX-License-Identifier: MIT */
+#include "shading/lightfield.h"
+
+#include "core/half.h"
+#include "shading/cube.h"
+#include "shading/lightfield_internal.h"
+
+#include <assert.h>
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* This file follows:
+ *   [H 2.4]   W. Heidrich. Environment Maps And Their Applications, 2000 */
+
+static const float half_max = 65504.0f;
+
+static size_t texel_bytes(ncr_texel_format format)
+{
+    return format == NCR_TEXEL_HALF ? 4 * sizeof(uint16_t) : 4 * sizeof(float);
+}
+
+/* Addresses run in 64 bits: 65535 points of 4096 texels exceed 32 by far; what does not fit into
+ * memory is the allocator's to refuse. */
+static ncr_status allocate(const ncr_ctx *ctx, ncr_lightfield *field, bool depth)
+{
+    const size_t texels = field->points * field->point_texels;
+    field->texels = ncr_alloc_zero(ctx, texels, texel_bytes(field->format));
+    if (!field->texels)
+        return NCR_E_NOMEM;
+    field->bytes = texels * texel_bytes(field->format);
+    if (!depth)
+        return NCR_OK;
+
+    const size_t distances = (size_t)field->points * 6 * field->n * field->n;
+    field->depth = ncr_alloc_zero(ctx, distances, sizeof(float));
+    field->bytes += distances * sizeof(float);
+    return field->depth ? NCR_OK : NCR_E_NOMEM;
+}
+
+ncr_status ncr_lightfield_create(const ncr_ctx *ctx, uint32_t points, uint32_t n,
+                                 const ncr_lightfield_opts *opts, ncr_lightfield **out)
+{
+    *out = NULL;
+    const ncr_lightfield_opts o = opts ? *opts : (ncr_lightfield_opts){.struct_size = sizeof o};
+    if (o.struct_size != sizeof o)
+        return ncr_fail(ctx, NCR_E_ARG, "light field options were not initialised");
+    if (points == 0 || n == 0 || n > NCR_CUBE_MAX)
+        return ncr_fail(ctx, NCR_E_ARG, "a light field of %u points and %u texels per side", points,
+                        n);
+    if (o.format != NCR_TEXEL_HALF && o.format != NCR_TEXEL_FLOAT)
+        return ncr_fail(ctx, NCR_E_ARG, "texel format %d does not exist", (int)o.format);
+    if (abs(o.exponent) > 64)
+        return ncr_fail(ctx, NCR_E_ARG, "radiance scaled by 2^%d, beyond 2^64", o.exponent);
+
+    ncr_lightfield *field = ncr_alloc_zero(ctx, 1, sizeof *field);
+    if (!field)
+        return NCR_E_NOMEM;
+    field->points = points;
+    field->n = n;
+    field->format = o.format;
+    field->scale = ldexpf(1, o.exponent);
+    field->row = (size_t)n + 2;
+    field->face_texels = field->row * field->row;
+    field->point_texels = 6 * field->face_texels;
+
+    const ncr_status status = allocate(ctx, field, o.depth);
+    if (status != NCR_OK) {
+        ncr_lightfield_destroy(ctx, field);
+        return status;
+    }
+    *out = field;
+    return NCR_OK;
+}
+
+void ncr_lightfield_destroy(const ncr_ctx *ctx, ncr_lightfield *field)
+{
+    if (!field)
+        return;
+    ncr_free(ctx, field->texels);
+    ncr_free(ctx, field->depth);
+    ncr_free(ctx, field);
+}
+
+uint32_t ncr_lightfield_points(const ncr_lightfield *field)
+{
+    return field->points;
+}
+
+uint32_t ncr_lightfield_resolution(const ncr_lightfield *field)
+{
+    return field->n;
+}
+
+bool ncr_lightfield_has_depth(const ncr_lightfield *field)
+{
+    return field->depth != NULL;
+}
+
+size_t ncr_lightfield_bytes(const ncr_lightfield *field)
+{
+    return field->bytes;
+}
+
+uint64_t ncr_lightfield_overflows(const ncr_lightfield *field)
+{
+    return atomic_load(&field->overflows);
+}
+
+/* Index of a texel; x and y may be -1 or n, the apron. */
+static size_t texel_index(const ncr_lightfield *field, uint32_t point, uint32_t face, int x, int y)
+{
+    const size_t in_face = (size_t)(y + 1) * field->row + (size_t)(x + 1);
+    return point * field->point_texels + face * field->face_texels + in_face;
+}
+
+static size_t depth_index(const ncr_lightfield *field, uint32_t point, uint32_t face, uint32_t x,
+                          uint32_t y)
+{
+    return (((size_t)point * 6 + face) * field->n + y) * field->n + x;
+}
+
+/* One row of a tile in the field's format; returns how many values had to be clamped. */
+static uint64_t store_row(ncr_lightfield *field, size_t index, uint32_t width, const float *rgb)
+{
+    const float down = 1 / field->scale; /* exact: a power of two */
+    if (field->format == NCR_TEXEL_FLOAT) {
+        float *out = (float *)field->texels + 4 * index;
+        for (uint32_t k = 0; k < width; k++, out += 4, rgb += 3) {
+            for (int c = 0; c < 3; c++)
+                out[c] = rgb[c] * down;
+            out[3] = 1;
+        }
+        return 0;
+    }
+
+    uint16_t *out = (uint16_t *)field->texels + 4 * index;
+    uint64_t clamped = 0;
+    float texel[4 * NCR_TILE_SIDE];
+    for (uint32_t done = 0; done < width; done += NCR_TILE_SIDE) {
+        const uint32_t count = width - done < NCR_TILE_SIDE ? width - done : NCR_TILE_SIDE;
+        for (uint32_t k = 0; k < count; k++, rgb += 3) {
+            for (int c = 0; c < 3; c++) {
+                const float value = rgb[c] * down;
+                clamped += value > half_max;
+                texel[4 * k + (uint32_t)c] = value > half_max ? half_max : value;
+            }
+            texel[4 * k + 3] = 1;
+        }
+        ncr_half_from_floats(4 * (size_t)count, texel, out + 4 * (size_t)done);
+    }
+    return clamped;
+}
+
+static bool tile_fits(const ncr_lightfield *field, const ncr_tile *tile)
+{
+    return tile->point < field->points && tile->face < 6 && tile->x < field->n &&
+           tile->y < field->n && tile->width <= field->n - tile->x &&
+           tile->height <= field->n - tile->y && tile->rgb && (!field->depth || tile->z);
+}
+
+/* Tiles do not overlap and each comes once, so writers share nothing but the counter. */
+static ncr_status write_tile(void *user, const ncr_tile *tile)
+{
+    ncr_lightfield *field = user;
+    if (!tile_fits(field, tile))
+        return NCR_E_ARG;
+
+    uint64_t clamped = 0;
+    for (uint32_t j = 0; j < tile->height; j++) {
+        const size_t at =
+            texel_index(field, tile->point, tile->face, (int)tile->x, (int)(tile->y + j));
+        clamped += store_row(field, at, tile->width, tile->rgb + 3 * (size_t)j * tile->width);
+        if (field->depth)
+            memcpy(field->depth + depth_index(field, tile->point, tile->face, tile->x, tile->y + j),
+                   tile->z + (size_t)j * tile->width, tile->width * sizeof(float));
+    }
+    if (clamped)
+        atomic_fetch_add(&field->overflows, clamped);
+    return NCR_OK;
+}
+
+ncr_tile_sink ncr_lightfield_sink(ncr_lightfield *field)
+{
+    return (ncr_tile_sink){.user = field, .write = write_tile};
+}
+
+static void load(const ncr_lightfield *field, size_t index, float texel[4])
+{
+    if (field->format == NCR_TEXEL_FLOAT)
+        memcpy(texel, (const float *)field->texels + 4 * index, 4 * sizeof(float));
+    else
+        for (int c = 0; c < 4; c++)
+            texel[c] = ncr_half_to_float(((const uint16_t *)field->texels)[4 * index + (size_t)c]);
+}
+
+static void store(ncr_lightfield *field, size_t index, const float texel[4])
+{
+    if (field->format == NCR_TEXEL_FLOAT)
+        memcpy((float *)field->texels + 4 * index, texel, 4 * sizeof(float));
+    else
+        for (int c = 0; c < 4; c++)
+            ((uint16_t *)field->texels)[4 * index + (size_t)c] = ncr_half_from_float(texel[c]);
+}
+
+/* Index, within a point, of the texel that lies over the edge of a face at (x,y), one of which is
+ * -1 or n. The apron's centre is half a texel beyond the edge, (major, beyond) = (1, 1 + 1/n);
+ * folding it about the edge onto the neighbour, (1 - 1/n, 1), meets that face's border texel. */
+static size_t over_the_edge(const ncr_lightfield *field, uint32_t face, int x, int y)
+{
+    const int n = (int)field->n;
+    const float inward = 1.0f - 1.0f / (float)n;
+    const float s = x < 0 ? -1.0f : x == n ? 1.0f : (2.0f * (float)x + 1.0f) / (float)n - 1.0f;
+    const float t = y < 0 ? -1.0f : y == n ? 1.0f : (2.0f * (float)y + 1.0f) / (float)n - 1.0f;
+
+    ncr_vec3 d = ncr_cube_to_direction(face, s, t);
+    float *component[3] = {&d.x, &d.y, &d.z};
+    *component[face / 2] *= inward;
+
+    const ncr_cube_coord c = ncr_cube_from_direction(d);
+    const int cx = (int)((c.s + 1.0f) * 0.5f * (float)n);
+    const int cy = (int)((c.t + 1.0f) * 0.5f * (float)n);
+    return texel_index(field, 0, c.face, cx < n ? cx : n - 1, cy < n ? cy : n - 1);
+}
+
+/* A corner of the cube belongs to three faces: (x,y) is the apron's corner, whose neighbours in
+ * the apron already hold the other two. The mean makes all three faces agree at the corner. */
+static void seal_corner(ncr_lightfield *field, uint32_t point, uint32_t face, int x, int y)
+{
+    const int n = (int)field->n, ix = x < 0 ? 0 : n - 1, iy = y < 0 ? 0 : n - 1;
+    float a[4], b[4], c[4], mean[4];
+    load(field, texel_index(field, point, face, ix, iy), a);
+    load(field, texel_index(field, point, face, x, iy), b);
+    load(field, texel_index(field, point, face, ix, y), c);
+    for (int k = 0; k < 4; k++)
+        mean[k] = (float)(((double)a[k] + b[k] + c[k]) / 3.0);
+    store(field, texel_index(field, point, face, x, y), mean);
+}
+
+typedef struct seal_job {
+    ncr_lightfield *field;
+    size_t *source; /* [6][4][n] texels that lie over each edge: the same for every point */
+} seal_job;
+
+/* Edge texels in the order left, right, top, bottom. */
+static void edge_texel(int n, int edge, int k, int *x, int *y)
+{
+    *x = edge == 0 ? -1 : edge == 1 ? n : k;
+    *y = edge == 2 ? -1 : edge == 3 ? n : k;
+}
+
+static void seal_points(size_t begin, size_t end, unsigned worker, void *arg)
+{
+    (void)worker;
+    const seal_job *job = arg;
+    ncr_lightfield *field = job->field;
+    const int n = (int)field->n;
+    const size_t size = texel_bytes(field->format);
+
+    for (size_t point = begin; point < end; point++) {
+        char *texels = (char *)field->texels + point * field->point_texels * size;
+        const size_t *source = job->source;
+        for (uint32_t face = 0; face < 6; face++) {
+            for (int edge = 0; edge < 4; edge++)
+                for (int k = 0, x, y; k < n; k++) {
+                    edge_texel(n, edge, k, &x, &y);
+                    memcpy(texels + texel_index(field, 0, face, x, y) * size,
+                           texels + *source++ * size, size);
+                }
+            for (int corner = 0; corner < 4; corner++)
+                seal_corner(field, (uint32_t)point, face, corner & 1 ? n : -1, corner & 2 ? n : -1);
+        }
+    }
+}
+
+ncr_status ncr_lightfield_seal(const ncr_ctx *ctx, ncr_lightfield *field)
+{
+    const int n = (int)field->n;
+    size_t *source = ncr_alloc(ctx, 24 * (size_t)n * sizeof *source);
+    if (!source)
+        return NCR_E_NOMEM;
+
+    size_t *at = source;
+    for (uint32_t face = 0; face < 6; face++)
+        for (int edge = 0; edge < 4; edge++)
+            for (int k = 0, x, y; k < n; k++) {
+                edge_texel(n, edge, k, &x, &y);
+                *at++ = over_the_edge(field, face, x, y);
+            }
+
+    seal_job job = {field, source};
+    const ncr_status status = ncr_parallel_for(ctx, field->points, 16, seal_points, &job);
+    ncr_free(ctx, source);
+    return status;
+}
+
+void ncr_lightfield_texel(const ncr_lightfield *field, uint32_t point, uint32_t face, uint32_t x,
+                          uint32_t y, float rgb[3], float *z)
+{
+    assert(point < field->points && face < 6 && x < field->n && y < field->n);
+    float texel[4];
+    load(field, texel_index(field, point, face, (int)x, (int)y), texel);
+    for (int c = 0; c < 3; c++)
+        rgb[c] = texel[c] * field->scale;
+    if (z)
+        *z = field->depth ? field->depth[depth_index(field, point, face, x, y)] : INFINITY;
+}
+
+float ncr_lightfield_distance(const ncr_lightfield *field, uint32_t point, ncr_vec3 d)
+{
+    assert(field->depth && point < field->points);
+    const ncr_cube_coord c = ncr_cube_from_direction(d);
+    const float n = (float)field->n;
+    const uint32_t x = (uint32_t)((c.s + 1.0f) * 0.5f * n), y = (uint32_t)((c.t + 1.0f) * 0.5f * n);
+    const uint32_t last = field->n - 1;
+    return field
+        ->depth[depth_index(field, point, c.face, x < last ? x : last, y < last ? y : last)];
+}

@@ -1,0 +1,87 @@
+/* SPDX-License-Identifier: MIT */
+#include "core/half.h"
+#include "sampling/sample_map.h"
+#include "shading/cube.h"
+#include "shading/lightfield_internal.h"
+
+#include <assert.h>
+#include <math.h>
+
+/* Texel coordinate of s in [-1,1] among n texels and the apron: centres at whole numbers, 0 in the
+ * apron, result in [1/2, n + 1/2]. NaN becomes 0. */
+static float texel_coordinate(float n, float s)
+{
+    const float x = s * (0.5f * n) + (0.5f * n + 0.5f);
+    return x > 0 ? (x < n + 0.5f ? x : n + 0.5f) : 0.0f;
+}
+
+ncr_footprint ncr_lightfield_footprint(uint32_t n, ncr_vec3 d)
+{
+    const ncr_cube_coord c = ncr_cube_from_direction(d);
+    const float x = texel_coordinate((float)n, c.s), y = texel_coordinate((float)n, c.t);
+    const uint32_t ix = (uint32_t)x, iy = (uint32_t)y;
+    const size_t row = (size_t)n + 2;
+    return (ncr_footprint){c.face * row * row + iy * row + ix, x - (float)ix, y - (float)iy};
+}
+
+static void load_texel(const ncr_lightfield *field, size_t index, float texel[4])
+{
+    if (field->format == NCR_TEXEL_FLOAT) {
+        const float *in = (const float *)field->texels + 4 * index;
+        for (int c = 0; c < 4; c++)
+            texel[c] = in[c];
+    } else {
+        const uint16_t *in = (const uint16_t *)field->texels + 4 * index;
+        for (int c = 0; c < 4; c++)
+            texel[c] = ncr_half_to_float(in[c]);
+    }
+}
+
+/* Columns first, then across, as a + f (b - a): exact for constants, and the order in which wide
+ * registers do it, so that every path has the same bits. */
+static void bilinear(const ncr_lightfield *field, uint32_t point, ncr_vec3 d, float out[4])
+{
+    const ncr_footprint at = ncr_lightfield_footprint(field->n, d);
+    const size_t first = point * field->point_texels + at.first;
+    float a[4], b[4], c[4], e[4];
+    load_texel(field, first, a);
+    load_texel(field, first + 1, b);
+    load_texel(field, first + field->row, c);
+    load_texel(field, first + field->row + 1, e);
+    for (int k = 0; k < 4; k++) {
+        const float left = a[k] + at.fy * (c[k] - a[k]);
+        const float right = b[k] + at.fy * (e[k] - b[k]);
+        out[k] = left + at.fx * (right - left);
+    }
+}
+
+ncr_vec3 ncr_lightfield_fetch(const ncr_lightfield *field, uint32_t point, ncr_vec3 d)
+{
+    assert(point < field->points);
+    float texel[4];
+    bilinear(field, point, d, texel);
+    return (ncr_vec3){texel[0] * field->scale, texel[1] * field->scale, texel[2] * field->scale};
+}
+
+size_t ncr_lightfield_accumulate_c(const ncr_lightfield *field, size_t count, const uint16_t *point,
+                                   const float *const d[3], const float *w, float *const out[3])
+{
+    size_t trapped = 0;
+    for (size_t k = 0; k < count; k++) {
+        if (point[k] == NCR_NO_POINT)
+            continue;
+        assert(point[k] < field->points);
+        float texel[4];
+        bilinear(field, point[k], (ncr_vec3){d[0][k], d[1][k], d[2][k]}, texel);
+        for (int c = 0; c < 3; c++)
+            out[c][k] += w[k] * (texel[c] * field->scale);
+        trapped += texel[3] < 1;
+    }
+    return trapped;
+}
+
+size_t ncr_lightfield_accumulate(const ncr_lightfield *field, size_t count, const uint16_t *point,
+                                 const float *const d[3], const float *w, float *const out[3])
+{
+    return ncr_lightfield_accumulate_c(field, count, point, d, w, out);
+}
