@@ -10,11 +10,14 @@ NCR_BEGIN
 typedef enum ncr_pattern {
     NCR_PATTERN_PLAIN = 0, /* color[0] */
     NCR_PATTERN_CHECKER,   /* color[0] and color[1] in squares of side 1 */
-    NCR_PATTERN_TILES,     /* color[0] with joints of color[1], `width` of a unit square wide */
-    NCR_PATTERN_GINGHAM,   /* woven stripes of color[1] on color[0]; crossings color[2] */
-    NCR_PATTERN_STRIPES,   /* color[1] bands, `width` of the unit, along t, on color[0] */
-    NCR_PATTERN_WOOD,      /* long wavy grain between color[0] and color[1] along s */
-    NCR_PATTERN_RINGS,     /* concentric bands of color[1] on color[0] about the origin */
+    NCR_PATTERN_TILES,   /* color[0] with joints of color[1], `width` of a unit square wide, centred
+                              on its borders */
+    NCR_PATTERN_GINGHAM, /* woven stripes of color[1], half a unit wide, on color[0]; crossings
+                              color[2] */
+    NCR_PATTERN_STRIPES, /* color[1] bands running along t, `width` of a unit of s, on color[0] */
+    NCR_PATTERN_WOOD,    /* long wavy grain between color[0] and color[1] along s */
+    NCR_PATTERN_RINGS,   /* bands of color[1], `width` of a unit of radius, on color[0] about the
+                              origin of (s,t) */
 } ncr_pattern;
 
 /** Where the pattern's coordinates (s,t) come from. */

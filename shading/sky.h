@@ -12,10 +12,12 @@ NCR_BEGIN
  *  linear Rec. 709.                                                              [CIE-S011] */
 typedef struct ncr_sky {
     float zenith[3];        /* radiance straight up */
-    float horizon[3];       /* tint of the horizon: radiance = CIE gradation blended between both */
+    float horizon[3];       /* tint of the horizon; zero: as the zenith. Radiance = l(d) T(d), l the
+                               CIE sky with l(zenith) = 1, T = zenith + (1 - d.z)^4 (horizon -
+                               zenith), z up */
     float ground[3];        /* radiance below the horizon */
     float cie[5];           /* a b c d e of CIE S 011; all zero: 12 (clear, low turbidity) */
-    float sun_direction[3]; /* to the sun, any length; zero: no sun */
+    float sun_direction[3]; /* to the sun, any length; zero: no sun, and no glow about it */
     float sun_irradiance[3]; /* on a plane facing the sun; the disc's radiance follows from it */
     float sun_radius_deg;    /* angular radius; 0: 0.2666 */
 } ncr_sky;
@@ -33,7 +35,8 @@ NCR_API bool ncr_sky_sun_hit(const ncr_sky *sky, ncr_vec3 d);
  *  the overlap of two discs in the tangent plane; exact in the limit of small angles. */
 NCR_API float ncr_sky_sun_coverage(const ncr_sky *sky, ncr_vec3 d, double omega);
 
-/** Direction k of `count` stratified over the disc (concentric map of a (0,m,2)-net). Unit. */
+/** Direction k of `count` stratified over the disc (concentric map of a (0,m,2)-sequence, so that
+ *  the first 4 of 16 are stratified too). Unit; zero without a sun. */
 NCR_API ncr_vec3 ncr_sky_sun_sample(const ncr_sky *sky, uint32_t k, uint32_t count);
 
 NCR_END
