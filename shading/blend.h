@@ -34,10 +34,11 @@ enum { NCR_BLEND_MAX = 16 };
  * @param n,r       unit normal and unit mirror direction
  * @param exponent  N in [0, 1e6] or +infinity (then ANGLE's rule on the basis's cosine); 0 gives
  *                  equal weights over the valid points
- * @param weight    [count] finite, >= 0, sum exactly 1 unless the result is NCR_BLEND_NONE
+ * @param weight    [count] multiples of 2^-24 >= 0 that sum to exactly 1 in any order; all 0 when
+ *                  the result is NCR_BLEND_NONE
  * @return          0 or the fallback taken
  *
- * Powers are taken in log space relative to the largest, so no exponent underflows to 0/0.
+ * Powers are of the ratio to the largest cosine, so no exponent underflows to 0/0.
  * Re-entrant, allocates nothing.
  */
 NCR_API unsigned ncr_blend_weights(ncr_basis basis, float exponent, unsigned count,
