@@ -145,7 +145,8 @@ static void load(float *to, const float *from, size_t at, size_t lanes, float ot
 }
 
 /* Comparisons that are false for NaN, all of them for each lane: no branches, so that the
- * compiler makes vectors of them. Returns how many of the first `lanes` are unusable. */
+ * compiler makes vectors of them. An empty range is usable but need not be traced. Returns how
+ * many of the first `lanes` are unusable. */
 static size_t validate(block *b, size_t lanes)
 {
     const struct RTCRay16 *r = &b->r.ray;
@@ -162,7 +163,7 @@ static size_t validate(block *b, size_t lanes)
             (r->tnear[k] >= 0) & (r->tnear[k] <= 3.4e38f) & (r->tfar[k] == r->tfar[k]);
         const int in = k < (int)lanes;
         const int usable = origin & direction & range;
-        b->valid[k] = -(usable & in);
+        b->valid[k] = -(usable & in & (r->tnear[k] <= r->tfar[k]));
         unusable += in & !usable;
     }
     return (size_t)unusable;
