@@ -1,0 +1,222 @@
+/* SPDX-License-Identifier: MIT
+ * sight.c - which stored points a texel really sees, and better ones where it does not.
+ *
+ * A texel is buried when its centre lies in a solid. A free segment to a point outside all solids
+ * proves that it is not; only texels without one need the exact test, which keeps it to a few per
+ * cent of all. */
+#include "sampling/sample_map_internal.h"
+
+#include "core/vec_internal.h"
+
+#include <string.h>
+
+enum { stored = 4, per_round = NCR_SEGMENT_ROOM / NCR_TILE_TEXELS };
+
+/* A texel on its way to four free points. */
+typedef struct walker {
+    double last_d2; /* the farthest point tried, and its index: the next one comes after */
+    uint32_t last;
+    unsigned found;
+    bool open; /* there may be more to try */
+    bool outside, blocked, buried;
+    uint16_t index[stored];
+} walker;
+
+static uint16_t index_of(uint64_t four, unsigned k)
+{
+    return (uint16_t)(four >> 16 * k);
+}
+
+static uint64_t pack(const walker *w)
+{
+    uint64_t four = 0;
+    for (unsigned k = 0; k < stored; k++)
+        four |= (uint64_t)(k < w->found ? w->index[k] : NCR_NO_POINT) << 16 * k;
+    return four;
+}
+
+static bool has_normal(const ncr_texel_tile *tile, uint32_t k)
+{
+    return tile->n[0][k] != 0 || tile->n[1][k] != 0 || tile->n[2][k] != 0;
+}
+
+static void texel_at(const ncr_texel_tile *tile, uint32_t k, double x[3], double n[3])
+{
+    for (int c = 0; c < 3; c++) {
+        x[c] = tile->x[c][k];
+        n[c] = tile->n[c][k];
+    }
+}
+
+static void count_texel(uint64_t four, ncr_coverage *coverage)
+{
+    coverage->short_of_four += index_of(four, stored - 1) == NCR_NO_POINT;
+    coverage->uncovered += index_of(four, 0) == NCR_NO_POINT;
+}
+
+static void add_segment(const ncr_sight *sight, const ncr_texel_tile *tile, uint32_t texel,
+                        uint16_t point, ncr_sight_scratch *scratch)
+{
+    const ncr_candidates *all = sight->points;
+    const double p[3] = {all->x[point], all->y[point], all->z[point]};
+    double x[3], n[3];
+    texel_at(tile, texel, x, n);
+    scratch->texel[scratch->segments.count] = (uint16_t)texel;
+    scratch->point[scratch->segments.count] = point;
+    ncr_segments_add(&scratch->segments, sight->lift, p, x, n);
+}
+
+/* The stored segments, slot by slot: neighbours in the batch mostly share a point. */
+static void trace_stored(const ncr_sight *sight, const ncr_texel_tile *tile, const uint64_t *four,
+                         ncr_sight_scratch *scratch)
+{
+    scratch->segments.count = 0;
+    for (unsigned slot = 0; slot < stored; slot++)
+        for (uint32_t k = 0; k < tile->side * tile->side; k++)
+            if (index_of(four[k], slot) != NCR_NO_POINT)
+                add_segment(sight, tile, k, index_of(four[k], slot), scratch);
+    ncr_segments_trace(sight->scene, &scratch->segments);
+}
+
+static bool in_solid(const ncr_sight *sight, const ncr_texel_tile *tile, uint32_t k)
+{
+    double x[3], n[3], above[3];
+    texel_at(tile, k, x, n);
+    ncr_visibility_lifted(x, n, sight->lift, above);
+    return ncr_scene_inside(sight->scene, above) != NCR_NONE;
+}
+
+static double distance2(const ncr_sight *sight, const ncr_texel_tile *tile, uint32_t k,
+                        uint16_t point)
+{
+    const ncr_candidates *all = sight->points;
+    double d2;
+    ncr_texel_sees(tile, k, all->x[point], all->y[point], all->z[point], 0, &d2);
+    return d2;
+}
+
+/* Points after the last one tried, in rising (distance, index), at most per_round. */
+static unsigned next_points(const ncr_sight *sight, const ncr_texel_tile *tile, uint32_t k,
+                            const ncr_candidates *seen, walker *w, uint16_t next[per_round])
+{
+    double best[per_round];
+    unsigned count = 0;
+    for (size_t c = 0; c < seen->count; c++) {
+        double d2;
+        if (!ncr_texel_sees(tile, k, seen->x[c], seen->y[c], seen->z[c], sight->horizon.cos2, &d2))
+            continue;
+        if (d2 < w->last_d2 || (d2 == w->last_d2 && seen->index[c] <= w->last))
+            continue;
+        if (count == per_round && !(d2 < best[per_round - 1]))
+            continue;
+        unsigned at = count < per_round ? count++ : per_round - 1;
+        for (; at > 0 && d2 < best[at - 1]; at--) {
+            best[at] = best[at - 1];
+            next[at] = next[at - 1];
+        }
+        best[at] = d2;
+        next[at] = (uint16_t)seen->index[c];
+    }
+    w->open = count == per_round;
+    if (count > 0) {
+        w->last_d2 = best[count - 1];
+        w->last = next[count - 1];
+    }
+    return count;
+}
+
+/* Give the walkers the free points among the traced segments, in the order they were added. */
+static void collect_free(const ncr_sight_scratch *scratch, walker *walkers)
+{
+    for (size_t s = 0; s < scratch->segments.count; s++) {
+        walker *w = &walkers[scratch->texel[s]];
+        if (!scratch->segments.blocked[s] && w->found < stored)
+            w->index[w->found++] = scratch->point[s];
+    }
+}
+
+/* In rounds, each texel tries its next nearest until it has four free points or none is left. */
+static void walk_on(const ncr_sight *sight, const ncr_texel_tile *tile, const ncr_tile_bound *bound,
+                    walker *walkers, ncr_sight_scratch *scratch, ncr_tile_tally *tally)
+{
+    const uint32_t texels = tile->side * tile->side;
+    ncr_candidates_select(sight->points, bound, sight->horizon, 0, &scratch->seen);
+    do {
+        scratch->segments.count = 0;
+        for (uint32_t k = 0; k < texels; k++) {
+            uint16_t next[per_round];
+            if (!walkers[k].open || walkers[k].found == stored)
+                continue;
+            const unsigned count = next_points(sight, tile, k, &scratch->seen, &walkers[k], next);
+            for (unsigned c = 0; c < count; c++)
+                add_segment(sight, tile, k, next[c], scratch);
+            tally->stats.candidates += scratch->seen.count;
+        }
+        ncr_segments_trace(sight->scene, &scratch->segments);
+        tally->stats.rays += scratch->segments.count;
+        collect_free(scratch, walkers);
+    } while (scratch->segments.count > 0);
+}
+
+/* What the stored segments say of each texel. */
+static void judge(const ncr_sight *sight, const ncr_texel_tile *tile,
+                  const ncr_sight_scratch *scratch, walker *walkers)
+{
+    for (size_t s = 0; s < scratch->segments.count; s++) {
+        walker *w = &walkers[scratch->texel[s]];
+        if (scratch->segments.blocked[s])
+            w->blocked = true;
+        else if (!sight->inside[scratch->point[s]])
+            w->outside = true;
+    }
+    for (uint32_t k = 0; k < tile->side * tile->side; k++)
+        walkers[k].buried = has_normal(tile, k) && !walkers[k].outside && in_solid(sight, tile, k);
+}
+
+/* Let the texels that lost a point try on after their fourth; false when there are none. Those
+ * with fewer than four had no more to lose. */
+static bool open_walkers(const ncr_sight *sight, const ncr_texel_tile *tile, const uint64_t *four,
+                         walker *walkers)
+{
+    bool any = false;
+    for (uint32_t k = 0; k < tile->side * tile->side; k++) {
+        const uint16_t last = index_of(four[k], stored - 1);
+        if (!walkers[k].blocked || walkers[k].buried || last == NCR_NO_POINT)
+            continue;
+        walkers[k].last = last;
+        walkers[k].last_d2 = distance2(sight, tile, k, last);
+        walkers[k].open = any = true;
+    }
+    return any;
+}
+
+/* Buried texels keep what they have: nobody looks at them, and a shader that reads one across the
+ * seam of two solids does best with the nearest points. */
+void ncr_sight_settle(const ncr_sight *sight, const ncr_texel_tile *tile,
+                      const ncr_tile_bound *bound, uint64_t *four, ncr_sight_scratch *scratch,
+                      ncr_tile_tally *tally)
+{
+    walker walkers[NCR_TILE_TEXELS];
+    memset(walkers, 0, sizeof walkers);
+    trace_stored(sight, tile, four, scratch);
+    tally->stats.rays += scratch->segments.count;
+    collect_free(scratch, walkers);
+    judge(sight, tile, scratch, walkers);
+    if (sight->require_free && open_walkers(sight, tile, four, walkers))
+        walk_on(sight, tile, bound, walkers, scratch, tally);
+
+    for (uint32_t k = 0; k < tile->side * tile->side; k++) {
+        if (!has_normal(tile, k))
+            continue;
+        tally->coverage.texels++;
+        if (walkers[k].buried) {
+            tally->coverage.buried++;
+            continue;
+        }
+        if (sight->require_free)
+            four[k] = pack(&walkers[k]);
+        else
+            tally->coverage.blocked += walkers[k].blocked;
+        count_texel(four[k], &tally->coverage);
+    }
+}
