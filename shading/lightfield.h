@@ -89,6 +89,25 @@ NCR_API size_t ncr_lightfield_accumulate(const ncr_lightfield *field, size_t cou
                                          const uint16_t *point, const float *const d[3],
                                          const float *w, float *const out[3]);
 
+/**
+ * Blends of several cubes, all looked up in one direction: what a mirror asks for.
+ *
+ *     out[k] = sum_j w[j][k] L(point[j][k]; d[k])      over the points that are not NCR_NO_POINT
+ *
+ * @param points  how many to a blend, 1..16
+ * @param point   [points][count]
+ * @param w       [points][count] finite
+ * @param d       [3][count] structure of arrays, any length, not zero
+ * @param out     [3][count] structure of arrays, overwritten
+ * @return        how many look-ups of nonzero weight touched a texel that was never captured
+ *
+ * The four texels are blended before they are interpolated, which is the same sum in another
+ * order. The same bits on every processor. Re-entrant, allocates nothing.
+ */
+NCR_API size_t ncr_lightfield_blend(const ncr_lightfield *field, size_t count, unsigned points,
+                                    const uint16_t *const *point, const float *const *w,
+                                    const float *const d[3], float *const out[3]);
+
 NCR_END
 
 #endif

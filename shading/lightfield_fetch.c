@@ -80,6 +80,70 @@ size_t ncr_lightfield_accumulate_c(const ncr_lightfield *field, size_t count, co
     return trapped;
 }
 
+size_t ncr_lightfield_trapped(const ncr_lightfield *field, size_t k, unsigned points,
+                              const uint16_t *const *point, const float *const *w,
+                              const float *const d[3])
+{
+    size_t trapped = 0;
+    for (unsigned j = 0; j < points; j++) {
+        float texel[4] = {0, 0, 0, 1};
+        if (point[j][k] != NCR_NO_POINT && w[j][k] != 0)
+            bilinear(field, point[j][k], (ncr_vec3){d[0][k], d[1][k], d[2][k]}, texel);
+        trapped += texel[3] < 1;
+    }
+    return trapped;
+}
+
+/* sum += w * the four texels of a look-up, corner by corner. */
+static void add_corners(const ncr_lightfield *field, size_t first, float w, float sum[4][4])
+{
+    const size_t corner[4] = {first, first + 1, first + field->row, first + field->row + 1};
+    for (int i = 0; i < 4; i++) {
+        float texel[4];
+        load_texel(field, corner[i], texel);
+        for (int c = 0; c < 4; c++)
+            sum[i][c] += w * texel[c];
+    }
+}
+
+/* Where every texel was captured, the fourth channel of each corner is the sum of weights, and so
+ * is what comes out of the interpolation, to the bit. */
+size_t ncr_lightfield_blend_c(const ncr_lightfield *field, size_t count, unsigned points,
+                              const uint16_t *const *point, const float *const *w,
+                              const float *const d[3], float *const out[3])
+{
+    size_t trapped = 0;
+    for (size_t k = 0; k < count; k++) {
+        const ncr_footprint at =
+            ncr_lightfield_footprint(field->n, (ncr_vec3){d[0][k], d[1][k], d[2][k]});
+        float sum[4][4] = {{0}}, total = 0, mix[4];
+        for (unsigned j = 0; j < points; j++) {
+            if (point[j][k] == NCR_NO_POINT)
+                continue;
+            assert(point[j][k] < field->points);
+            add_corners(field, point[j][k] * field->point_texels + at.first, w[j][k], sum);
+            total += w[j][k];
+        }
+        for (int c = 0; c < 4; c++) {
+            const float left = sum[0][c] + at.fy * (sum[2][c] - sum[0][c]);
+            const float right = sum[1][c] + at.fy * (sum[3][c] - sum[1][c]);
+            mix[c] = left + at.fx * (right - left);
+        }
+        for (int c = 0; c < 3; c++)
+            out[c][k] = mix[c] * field->scale;
+        if (mix[3] != total)
+            trapped += ncr_lightfield_trapped(field, k, points, point, w, d);
+    }
+    return trapped;
+}
+
+size_t ncr_lightfield_blend(const ncr_lightfield *field, size_t count, unsigned points,
+                            const uint16_t *const *point, const float *const *w,
+                            const float *const d[3], float *const out[3])
+{
+    return ncr_lightfield_blend_c(field, count, points, point, w, d, out);
+}
+
 size_t ncr_lightfield_accumulate(const ncr_lightfield *field, size_t count, const uint16_t *point,
                                  const float *const d[3], const float *w, float *const out[3])
 {

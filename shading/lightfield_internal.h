@@ -38,7 +38,17 @@ ncr_footprint ncr_lightfield_footprint(uint32_t n, ncr_vec3 d);
 typedef size_t ncr_accumulate_fn(const ncr_lightfield *field, size_t count, const uint16_t *point,
                                  const float *const d[3], const float *w, float *const out[3]);
 
+typedef size_t ncr_blend_fn(const ncr_lightfield *field, size_t count, unsigned points,
+                            const uint16_t *const *point, const float *const *w,
+                            const float *const d[3], float *const out[3]);
+
 /* The definition, and what a processor can do about it. All give the same bits. */
 ncr_accumulate_fn ncr_lightfield_accumulate_c;
+ncr_blend_fn ncr_lightfield_blend_c;
+
+/* Look-ups of pixel k of a blend that have weight and touch a texel never captured. */
+size_t ncr_lightfield_trapped(const ncr_lightfield *field, size_t k, unsigned points,
+                              const uint16_t *const *point, const float *const *w,
+                              const float *const d[3]);
 
 #endif

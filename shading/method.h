@@ -73,7 +73,8 @@ NCR_API const char *ncr_method_name(size_t k, const char **summary);
  *
  * @param term    RECON with nearest, average4 or trace; REFLECT with the others or trace; FULL
  *                composes reconstruction (`recon`, NULL: trace when `method` is trace, nearest
- *                when a field is given) with `specular` * reflection
+ *                when a field is given, else trace) with `specular` * reflection
+ * @param specular  C_s of FULL; NULL: 1
  * @param image   same size, 3 channels; only the object's pixels are written
  *
  * Deterministic for any number of workers. NCR_E_ARG, NCR_E_CANCELLED, NCR_E_NOMEM.

@@ -1,0 +1,362 @@
+/* SPDX-License-Identifier: MIT */
+#include "shading/method.h"
+
+#include "core/nearest_word.h"
+#include "core/vec_internal.h"
+#include "shading/method_internal.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+#include <time.h>
+
+static const ncr_method_entry entries[] = {
+    {"trace", "ray-traced reference", false, NCR_NEEDS_TRACER, ncr_recon_trace, ncr_reflect_trace,
+     0},
+    {"nearest", "surface from the closest point that sees it well", false, NCR_NEEDS_FIELD,
+     ncr_recon_nearest, NULL, 0},
+    {"average4", "surface from all points that see it well", false, NCR_NEEDS_FIELD,
+     ncr_recon_average, NULL, 0},
+    {"envmap", "one cube map at the object's centre", false, NCR_NEEDS_PROBE, NULL,
+     ncr_reflect_envmap, 0},
+    {"proxy", "one cube map, corrected for parallax by a box", false, NCR_NEEDS_PROBE, NULL,
+     ncr_reflect_proxy, 0},
+    {"distance", "the closest point", false, NCR_NEEDS_FIELD, NULL, ncr_reflect_one,
+     NCR_BASIS_DISTANCE},
+    {"angle", "the point nearest to the mirror ray in angle", false, NCR_NEEDS_FIELD, NULL,
+     ncr_reflect_one, NCR_BASIS_ANGLE},
+    {"average", "four points alike", false, NCR_NEEDS_FIELD, NULL, ncr_reflect_blend,
+     NCR_BASIS_AVERAGE},
+    {"cosine-r", "four points by max(r.s, 0)^N", true, NCR_NEEDS_FIELD, NULL, ncr_reflect_blend,
+     NCR_BASIS_COSINE_R},
+    {"cosine-n", "four points by max(n.s, 0)^N", true, NCR_NEEDS_FIELD, NULL, ncr_reflect_blend,
+     NCR_BASIS_COSINE_N},
+    {"abs-r", "four points by |r.s|^N", true, NCR_NEEDS_FIELD, NULL, ncr_reflect_blend,
+     NCR_BASIS_ABS_R},
+};
+
+enum { entry_count = sizeof entries / sizeof *entries, name_room = 32, pixels_per_chunk = 4096 };
+
+const char *ncr_method_name(size_t k, const char **summary)
+{
+    if (k >= entry_count)
+        return NULL;
+    if (summary)
+        *summary = entries[k].summary;
+    return entries[k].name;
+}
+
+static ncr_status unknown(const ncr_ctx *ctx, const char *name)
+{
+    const char *names[entry_count];
+    for (size_t k = 0; k < entry_count; k++)
+        names[k] = entries[k].name;
+    return ncr_fail(ctx, NCR_E_ARG, "there is no shading method \"%s\"; did you mean \"%s\"?", name,
+                    ncr_nearest_word(name, entry_count, names));
+}
+
+static ncr_status parse_exponent(const ncr_ctx *ctx, const char *text, const char *colon,
+                                 double *out)
+{
+    char *end = NULL;
+    const double value = colon ? strtod(colon + 1, &end) : 0;
+    if (!colon || end == colon + 1 || *end)
+        return ncr_fail(ctx, NCR_E_ARG, "method \"%s\" needs an exponent, as in \"cosine-n:4\"",
+                        text);
+    if (!(value >= 0) || (value > 1e6 && !isinf(value)))
+        return ncr_fail(ctx, NCR_E_ARG, "method \"%s\": the exponent is not in [0, 1e6]", text);
+    *out = value;
+    return NCR_OK;
+}
+
+ncr_status ncr_method_find(const ncr_ctx *ctx, const char *text, ncr_method *out)
+{
+    *out = (ncr_method){0};
+    const char *colon = strchr(text, ':');
+    const size_t length = colon ? (size_t)(colon - text) : strlen(text);
+    char name[name_room] = "";
+    memcpy(name, text, length < name_room ? length : name_room - 1);
+
+    const ncr_method_entry *entry = entries;
+    while (entry < entries + entry_count && strcmp(entry->name, name))
+        entry++;
+    if (entry == entries + entry_count)
+        return unknown(ctx, name);
+
+    double parameter = 0;
+    if (!entry->takes_exponent && colon)
+        return ncr_fail(ctx, NCR_E_ARG, "method \"%s\" takes no parameter", entry->name);
+    if (entry->takes_exponent) {
+        const ncr_status status = parse_exponent(ctx, text, colon, &parameter);
+        if (status != NCR_OK)
+            return status;
+    }
+    *out = (ncr_method){.name = entry->name, .entry = entry, .parameter = parameter};
+    return NCR_OK;
+}
+
+unsigned ncr_run_offsets(const ncr_shade_job *job, const ncr_run *run, size_t k,
+                         ncr_vec3 to_point[NCR_CANDIDATES])
+{
+    const ncr_vec3 x = ncr_rows_get(&run->x, k);
+    unsigned valid = 0;
+    for (unsigned j = 0; j < NCR_CANDIDATES; j++) {
+        const uint16_t index = run->point[j][k];
+        to_point[j] = index == NCR_NO_POINT ? (ncr_vec3){0, 0, 0} : v_sub(job->point[index], x);
+        valid |= (unsigned)(index != NCR_NO_POINT) << j;
+    }
+    return valid;
+}
+
+/* What one call of ncr_method_shade does to every chunk. */
+typedef struct shade_call {
+    ncr_shade_job job;
+    const ncr_method *recon, *reflect; /* NULL: term not wanted */
+    float specular[3];
+    ncr_image *image;
+    ncr_shade_stats *per_worker;
+} shade_call;
+
+static void gather(const float *in, const uint32_t *pixel, size_t count, float *out)
+{
+    if (pixel[count - 1] - pixel[0] == count - 1) {
+        memcpy(out, in + pixel[0], count * sizeof *out);
+        return;
+    }
+    for (size_t k = 0; k < count; k++)
+        out[k] = in[pixel[k]];
+}
+
+/* Candidates of a run; neighbours mostly share a patch, and so its chart. */
+static void look_up_points(const ncr_sample_map *map, ncr_run *run)
+{
+    for (size_t k = 0; k < run->count; k++) {
+        const uint16_t *index = ncr_sample_map_at(map, run->patch[k], run->u[k], run->v[k]);
+        for (int j = 0; j < NCR_CANDIDATES; j++)
+            run->point[j][k] = index[j];
+    }
+}
+
+/* Everything methods need about the pixels listed in run->pixel. */
+static void fill_run(const ncr_shade_job *job, ncr_run *run)
+{
+    const ncr_gbuffer *g = job->gbuffer;
+    const size_t count = run->count;
+    for (size_t k = 0; k < count; k++)
+        run->patch[k] = g->patch[run->pixel[k]];
+    gather(g->u, run->pixel, count, run->u);
+    gather(g->v, run->pixel, count, run->v);
+    const float *x[3] = {g->px, g->py, g->pz}, *n[3] = {g->nx, g->ny, g->nz};
+    const float *v[3] = {g->vx, g->vy, g->vz};
+    for (int c = 0; c < 3; c++) {
+        gather(x[c], run->pixel, count, run->x.at[c]);
+        gather(n[c], run->pixel, count, run->n.at[c]);
+        gather(v[c], run->pixel, count, run->r.at[c]);
+    }
+
+    for (size_t k = 0; k < count; k++) {
+        const ncr_vec3 r = v_reflect(ncr_rows_get(&run->n, k), ncr_rows_get(&run->r, k));
+        ncr_rows_set(&run->r, k, r);
+    }
+    if (job->in->map)
+        look_up_points(job->in->map, run);
+    else
+        memset(run->point, 0xff, sizeof run->point);
+}
+
+/* L = recon + C_s reflect                                                            [T 4.12] */
+static void shade_run(const shade_call *call, ncr_run *run, ncr_shade_stats *stats)
+{
+    fill_run(&call->job, run);
+    stats->shaded += run->count;
+
+    ncr_rows recon;
+    if (call->recon) {
+        call->recon->entry->recon(&call->job, call->recon, run, stats);
+        recon = run->rgb;
+    }
+    if (call->reflect)
+        call->reflect->entry->reflect(&call->job, call->reflect, run, stats);
+    if (call->recon && call->reflect)
+        for (int c = 0; c < 3; c++)
+            for (size_t k = 0; k < run->count; k++)
+                run->rgb.at[c][k] = recon.at[c][k] + call->specular[c] * run->rgb.at[c][k];
+
+    for (size_t k = 0; k < run->count; k++) {
+        float *out = call->image->data + 3 * (size_t)run->pixel[k];
+        for (int c = 0; c < 3; c++)
+            out[c] = run->rgb.at[c][k];
+    }
+}
+
+static void shade_chunk(size_t begin, size_t end, unsigned worker, void *arg)
+{
+    const shade_call *call = arg;
+    const uint32_t *object = call->job.gbuffer->object, wanted = call->job.in->object;
+    ncr_shade_stats *stats = &call->per_worker[worker];
+    ncr_run run;
+    run.count = 0;
+    for (size_t k = begin; k < end; k++) {
+        run.pixel[run.count] = (uint32_t)k;
+        run.count += object[k] == wanted;
+        if (run.count == NCR_RUN) {
+            shade_run(call, &run, stats);
+            run.count = 0;
+        }
+    }
+    if (run.count)
+        shade_run(call, &run, stats);
+}
+
+static ncr_status check_parts(const ncr_ctx *ctx, const ncr_method *method,
+                              const ncr_shading_inputs *in)
+{
+    const unsigned needs = method->entry->needs;
+    if (needs & NCR_NEEDS_FIELD && !(in->points && in->frame && in->map && in->light))
+        return ncr_fail(ctx, NCR_E_ARG, "method \"%s\" needs a baked field", method->name);
+    if (needs & NCR_NEEDS_FIELD && in->points->count != ncr_lightfield_points(in->light))
+        return ncr_fail(ctx, NCR_E_ARG, "%zu sample points, but light at %u", in->points->count,
+                        ncr_lightfield_points(in->light));
+    if (needs & NCR_NEEDS_PROBE && !(in->probe && in->probe->light))
+        return ncr_fail(ctx, NCR_E_ARG, "method \"%s\" needs a captured probe", method->name);
+    if (needs & NCR_NEEDS_TRACER && !in->tracer)
+        return ncr_fail(ctx, NCR_E_ARG, "method \"%s\" needs a tracer", method->name);
+    if (!(in->horizon_deg >= 0 && in->horizon_deg <= 90))
+        return ncr_fail(ctx, NCR_E_ARG, "a horizon of %g degrees", in->horizon_deg);
+    return NCR_OK;
+}
+
+static ncr_status check_buffers(const ncr_ctx *ctx, const ncr_gbuffer *gbuffer,
+                                const ncr_image *image)
+{
+    if (image->channels != 3 || image->width != gbuffer->width || image->height != gbuffer->height)
+        return ncr_fail(ctx, NCR_E_ARG, "a %ux%u G-buffer into a %ux%u image of %u channels",
+                        gbuffer->width, gbuffer->height, image->width, image->height,
+                        image->channels);
+    if ((uint64_t)gbuffer->width * gbuffer->height > UINT32_MAX)
+        return ncr_fail(ctx, NCR_E_ARG, "more than 2^32 pixels");
+    return NCR_OK;
+}
+
+/* The reconstruction of a full image: the caller's, or the one that goes with the rest. */
+static ncr_status choose_recon(const ncr_ctx *ctx, const ncr_method *method,
+                               const ncr_method *recon, const ncr_shading_inputs *in,
+                               ncr_method *out)
+{
+    if (recon && recon->entry->recon) {
+        *out = *recon;
+        return NCR_OK;
+    }
+    if (recon)
+        return ncr_fail(ctx, NCR_E_ARG, "method \"%s\" does not reconstruct surfaces", recon->name);
+    const bool trace = method->entry->recon || !in->light;
+    return ncr_method_find(ctx, trace ? "trace" : "nearest", out);
+}
+
+/* Sort out which method does which term, and whether it has what it needs. */
+static ncr_status choose_terms(const ncr_ctx *ctx, const ncr_method *method, ncr_term term,
+                               const ncr_method *recon, const ncr_shading_inputs *in,
+                               shade_call *call, ncr_method *chosen)
+{
+    if (term != NCR_TERM_RECON && !method->entry->reflect)
+        return ncr_fail(ctx, NCR_E_ARG, "method \"%s\" does not reflect", method->name);
+    if (term == NCR_TERM_RECON && !method->entry->recon)
+        return ncr_fail(ctx, NCR_E_ARG, "method \"%s\" does not reconstruct surfaces",
+                        method->name);
+
+    ncr_status status = check_parts(ctx, method, in);
+    call->reflect = term == NCR_TERM_RECON ? NULL : method;
+    call->recon = term == NCR_TERM_RECON ? method : NULL;
+    if (status == NCR_OK && term == NCR_TERM_FULL) {
+        status = choose_recon(ctx, method, recon, in, chosen);
+        call->recon = chosen;
+        if (status == NCR_OK)
+            status = check_parts(ctx, chosen, in);
+    }
+    return status;
+}
+
+static ncr_status frame_points(const ncr_ctx *ctx, const ncr_shading_inputs *in, ncr_vec3 **out)
+{
+    *out = NULL;
+    if (!in->points || !in->frame)
+        return NCR_OK;
+    *out = ncr_alloc(ctx, in->points->count * sizeof **out);
+    if (!*out)
+        return NCR_E_NOMEM;
+    ncr_points_to_frame(in->points, in->frame, *out);
+    return NCR_OK;
+}
+
+/* Rays start beside the surface, farther than its triangles can be from it, and never so close
+ * that float coordinates up to 1 cannot tell.                                          [S-03] */
+static float lift_of(const ncr_shading_inputs *in)
+{
+    const float chord =
+        in->tracer ? ncr_scene_object_chord(in->tracer->world->scene, in->object) : 0;
+    return 2 * chord + 0x1p-20f;
+}
+
+static double seconds_now(void)
+{
+    struct timespec t;
+    clock_gettime(CLOCK_MONOTONIC, &t);
+    return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
+}
+
+static ncr_status run_chunks(const ncr_ctx *ctx, shade_call *call, ncr_shade_stats *stats)
+{
+    const ncr_gbuffer *g = call->job.gbuffer;
+    const unsigned workers = ncr_ctx_workers(ctx);
+    call->per_worker = ncr_alloc_zero(ctx, workers, sizeof *call->per_worker);
+    if (!call->per_worker)
+        return NCR_E_NOMEM;
+    const ncr_status status =
+        ncr_parallel_for(ctx, (size_t)g->width * g->height, pixels_per_chunk, shade_chunk, call);
+    for (unsigned k = 0; k < workers; k++) {
+        const ncr_shade_stats *s = &call->per_worker[k];
+        stats->shaded += s->shaded;
+        stats->lookups += s->lookups;
+        stats->rays += s->rays;
+        stats->fallbacks += s->fallbacks;
+        stats->trapped += s->trapped;
+    }
+    ncr_free(ctx, call->per_worker);
+    return status;
+}
+
+ncr_status ncr_method_shade(const ncr_ctx *ctx, const ncr_method *method, ncr_term term,
+                            const ncr_method *recon, const float specular[3],
+                            const ncr_shading_inputs *inputs, const ncr_gbuffer *gbuffer,
+                            ncr_image *image, ncr_shade_stats *stats)
+{
+    const double start = seconds_now(), pi = 3.14159265358979323846;
+    const double horizon = inputs->horizon_deg > 0 ? inputs->horizon_deg : 65;
+    ncr_shade_stats sum = {0};
+    ncr_method chosen;
+    shade_call call = {.image = image};
+    for (int c = 0; c < 3; c++)
+        call.specular[c] = specular ? specular[c] : 1;
+
+    ncr_status status = check_buffers(ctx, gbuffer, image);
+    if (status == NCR_OK)
+        status = choose_terms(ctx, method, term, recon, inputs, &call, &chosen);
+    ncr_vec3 *point = NULL;
+    if (status == NCR_OK)
+        status = frame_points(ctx, inputs, &point);
+    if (status == NCR_OK) {
+        call.job = (ncr_shade_job){.in = inputs,
+                                   .gbuffer = gbuffer,
+                                   .point = point,
+                                   .horizon = (float)cos(horizon * pi / 180),
+                                   .lift = lift_of(inputs)};
+        if (inputs->horizon_off)
+            call.job.horizon = -2;
+        status = run_chunks(ctx, &call, &sum);
+    }
+    ncr_free(ctx, point);
+    sum.seconds = seconds_now() - start;
+    if (stats)
+        *stats = sum;
+    return status;
+}

@@ -1,0 +1,78 @@
+/* SPDX-License-Identifier: MIT
+ * method_internal.h - what a shading method is made of: a row of the registry, and the pixels it
+ * is handed a run at a time. */
+#ifndef NCR_SHADING_METHOD_INTERNAL_H
+#define NCR_SHADING_METHOD_INTERNAL_H
+
+#include "shading/blend.h"
+#include "shading/method.h"
+
+enum { NCR_RUN = NCR_TRACE_BATCH, NCR_CANDIDATES = 4 };
+
+/* One vector per pixel of a run. */
+typedef struct ncr_rows {
+    float at[3][NCR_RUN];
+} ncr_rows;
+
+/* As the three pointers that rows are passed by, to read and to write. */
+#define NCR_ROWS_IN(rows) ((const float *const[3]){(rows)->at[0], (rows)->at[1], (rows)->at[2]})
+#define NCR_ROWS_OUT(rows) ((float *const[3]){(rows)->at[0], (rows)->at[1], (rows)->at[2]})
+
+static inline ncr_vec3 ncr_rows_get(const ncr_rows *rows, size_t k)
+{
+    return (ncr_vec3){rows->at[0][k], rows->at[1][k], rows->at[2][k]};
+}
+
+static inline void ncr_rows_set(ncr_rows *rows, size_t k, ncr_vec3 value)
+{
+    rows->at[0][k] = value.x;
+    rows->at[1][k] = value.y;
+    rows->at[2][k] = value.z;
+}
+
+/* Up to 256 pixels of the object, packed together, structure of arrays. Methods read everything
+ * above `rgb` and write rgb. */
+typedef struct ncr_run {
+    size_t count;
+    uint32_t pixel[NCR_RUN], patch[NCR_RUN];
+    float u[NCR_RUN], v[NCR_RUN];
+    ncr_rows x, n; /* position in frame units, unit normal toward the eye */
+    ncr_rows r;    /* 2 n (n.v) - v */
+    uint16_t point[NCR_CANDIDATES][NCR_RUN]; /* of the sample map; NCR_NO_POINT without one */
+    ncr_rows rgb;
+} ncr_run;
+
+/* What all runs of one call share. */
+typedef struct ncr_shade_job {
+    const ncr_shading_inputs *in;
+    const ncr_gbuffer *gbuffer;
+    const ncr_vec3 *point; /* [point count] frame units; NULL without points */
+    float horizon;         /* cosine below which reconstruction avoids a point; -2: no rule */
+    float lift;            /* trace: how far off the surface rays start, frame units */
+} ncr_shade_job;
+
+typedef void ncr_shade_fn(const ncr_shade_job *job, const ncr_method *method, ncr_run *run,
+                          ncr_shade_stats *stats);
+
+/* Parts a method cannot do without. */
+enum { NCR_NEEDS_FIELD = 1, NCR_NEEDS_PROBE = 2, NCR_NEEDS_TRACER = 4 };
+
+/* A row of the registry. */
+typedef struct ncr_method_entry {
+    const char *name, *summary;
+    bool takes_exponent; /* "name:N", N in [0, 1e6] or inf */
+    unsigned needs;
+    ncr_shade_fn *recon, *reflect; /* NULL: this method has no such term */
+    int detail;                    /* whatever tells entries with the same function apart */
+} ncr_method_entry;
+
+ncr_shade_fn ncr_recon_nearest, ncr_recon_average;  /* oslf_reconstruct.c */
+ncr_shade_fn ncr_reflect_blend, ncr_reflect_one;    /* oslf_mirror.c: detail is the ncr_basis */
+ncr_shade_fn ncr_reflect_envmap, ncr_reflect_proxy; /* environment.c */
+ncr_shade_fn ncr_recon_trace, ncr_reflect_trace;    /* method_trace.c */
+
+/* Offsets from pixel k to its candidates, and a bit for each that there is. */
+unsigned ncr_run_offsets(const ncr_shade_job *job, const ncr_run *run, size_t k,
+                         ncr_vec3 to_point[NCR_CANDIDATES]);
+
+#endif
