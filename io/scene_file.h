@@ -45,6 +45,7 @@ NCR_API const ncr_scene_camera *ncr_scene_file_camera(const ncr_scene_file *file
 /** By name; NULL names the first. NCR_E_ARG with the nearest right word. */
 NCR_API ncr_status ncr_scene_file_find_camera(const ncr_ctx *ctx, const ncr_scene_file *file,
                                               const char *name, const ncr_camera **out);
+/** The same for presets. */
 NCR_API ncr_status ncr_scene_file_find_preset(const ncr_ctx *ctx, const ncr_scene_file *file,
                                               const char *name, const ncr_preset **out);
 /** Hash of the file and the patch files it names: 16 hexadecimal digits. */
