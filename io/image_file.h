@@ -7,6 +7,8 @@
 
 NCR_BEGIN
 
+enum { NCR_IMAGE_FILE_MAX_PIXELS = 1 << 28 }; /* a file that says more is not read */
+
 /** How linear values become file values. */
 typedef struct ncr_image_write_opts {
     size_t struct_size;
@@ -18,8 +20,10 @@ typedef struct ncr_image_write_opts {
 /**
  * Write an image; the extension of `path` (.exr .hdr .png) chooses the format.
  *
- * PNG: 1, 3 or 4 channels, 8 bits, sRGB. HDR: 3 channels. EXR: 1..8 channels, float, named Y, RGB,
- * RGBA or the first letters of `channel_names` by the caller's own writer.
+ * PNG: 1, 3 or 4 channels, 8 bits, sRGB, the fourth a linear alpha that exposure leaves alone. HDR:
+ * 3 channels. EXR: 1..8 channels, float, named Y, YA, RGB, RGBA, and C0 to C7 above four. PNG and
+ * HDR have no place for what is not finite or below zero: NaN and negatives become 0, and values
+ * too large the largest.
  *
  * @return  NCR_E_ARG (unknown extension, channel count), NCR_E_IO, NCR_E_LIMIT, NCR_E_NOMEM
  *
@@ -30,12 +34,16 @@ NCR_API ncr_status ncr_image_write(const ncr_ctx *ctx, const char *path, const n
                                    const ncr_image_write_opts *opts);
 
 /**
- * Read an image, format known by its first bytes, not its name. EXR: RGB(A) or Y, scanline or
- * tiled (level 0), any compression the build can decode; HDR: both run-length forms and flat; PNG:
- * 8 and 16 bits, sRGB decoded to linear, alpha dropped.
+ * Read an image, format known by its first bytes, not its name.
  *
- * @return  NCR_E_IO (missing, unreadable), NCR_E_FORMAT (the sentence says where), NCR_E_LIMIT,
- *          NCR_E_BACKEND (a compression that this build cannot read), NCR_E_NOMEM
+ * EXR: the first flat part's Y, YA, RGB, RGBA or C0.., half, float or whole numbers, scanline or
+ * tiled (level 0), any compression the build can decode; the image is the data window. HDR: both
+ * run-length forms and flat, all eight orientations; EXPOSURE and COLORCORR are divided out. PNG: 8
+ * and 16 bits, gray or RGB, sRGB decoded to linear, alpha dropped; gAMA and iCCP are not followed.
+ *
+ * @return  NCR_E_IO (missing, unreadable), NCR_E_FORMAT (the sentence says where), NCR_E_LIMIT (over
+ *          2^28 pixels or 2^17 a side, before any is allocated), NCR_E_BACKEND (deep,
+ *          luminance-chroma, or a compression that this build cannot read), NCR_E_NOMEM
  *
  * Non-finite values become 0 and are counted in *nonfinite (may be NULL).
  */

@@ -1,0 +1,30 @@
+/* SPDX-License-Identifier: MIT
+ * image_format_internal.h - the formats behind image_file.c. Each reader checks sizes before it
+ * allocates; values may come out non-finite, which image_file.c counts and zeroes. */
+#ifndef NCR_IO_IMAGE_FORMAT_INTERNAL_H
+#define NCR_IO_IMAGE_FORMAT_INTERNAL_H
+
+#include "io/image_file.h"
+
+/** Whether an image of this size is taken in: NCR_OK, NCR_E_FORMAT below 1, NCR_E_LIMIT. */
+ncr_status ncr_image_check_size(const ncr_ctx *ctx, const char *path, int64_t width,
+                                int64_t height);
+
+ncr_status ncr_exr_read(const ncr_ctx *ctx, const char *path, ncr_image *out);
+ncr_status ncr_exr_write(const ncr_ctx *ctx, const char *path, const ncr_image *image,
+                         const ncr_image_write_opts *opts);
+
+/** The DWAA and DWAB compressions, which the C library leaves to the C++ one: fill `out`, already
+ *  of the size of part `part`'s data window, from channels name[0 .. out->channels). */
+ncr_status ncr_exr_dwa_read(const ncr_ctx *ctx, const char *path, int part, const char *const *name,
+                            const ncr_image *out);
+
+ncr_status ncr_hdr_read(const ncr_ctx *ctx, const char *path, ncr_image *out);
+ncr_status ncr_hdr_write(const ncr_ctx *ctx, const char *path, const ncr_image *image,
+                         const ncr_image_write_opts *opts);
+
+ncr_status ncr_png_read(const ncr_ctx *ctx, const char *path, ncr_image *out);
+ncr_status ncr_png_write(const ncr_ctx *ctx, const char *path, const ncr_image *image,
+                         const ncr_image_write_opts *opts);
+
+#endif
