@@ -1,5 +1,4 @@
 /* SPDX-License-Identifier: MIT */
-#include "core/vec_internal.h"
 #include "geometry/bezier_patch_internal.h"
 
 #include <assert.h>
@@ -100,31 +99,4 @@ void ncr_bezier_eval(const double control[16][3], double u, double v, ncr_surfac
         out->duv[k] = value2(&bv, duv);
         out->dvv[k] = value1(&bv, dvv);
     }
-}
-
-/* Nodes and weights of the 8-point Gauss-Legendre rule on [0,1]; test_bezier recomputes them. */
-static const double gauss_node[8] = {
-    0.019855071751231884, 0.10166676129318664, 0.23723379504183550, 0.40828267875217510,
-    0.59171732124782490,  0.76276620495816450, 0.89833323870681336, 0.98014492824876812,
-};
-static const double gauss_weight[8] = {
-    0.050614268145188130, 0.11119051722668724, 0.15685332293894364, 0.18134189168918099,
-    0.18134189168918099,  0.15685332293894364, 0.11119051722668724, 0.050614268145188130,
-};
-
-double ncr_bezier_area(const double control[16][3])
-{
-    double area = 0;
-    for (int j = 0; j < 8; j++) {
-        double row = 0;
-        for (int i = 0; i < 8; i++) {
-            ncr_surface_point at;
-            double n[3];
-            ncr_bezier_eval(control, gauss_node[i], gauss_node[j], &at);
-            d_cross(at.du, at.dv, n);
-            row += gauss_weight[i] * d_length(n);
-        }
-        area += gauss_weight[j] * row;
-    }
-    return area;
 }

@@ -43,7 +43,8 @@ void ncr_normal_field_eval(const ncr_normal_field *field, double u, double v, do
 unsigned ncr_normal_field_unit(const ncr_normal_field *field, const ncr_surface_point *at, double u,
                                double v, double n[3]);
 
-/* 8x8 Gauss quadrature of |x_u x x_v| over the patch, in square units. */
+/* Integral of |x_u x x_v| over the patch in square units, to about 1e-9 of itself. */
+extern const double ncr_gauss8_node[8], ncr_gauss8_weight[8];
 double ncr_bezier_area(const double control[16][3]);
 
 #endif

@@ -64,7 +64,8 @@ typedef struct ncr_surface_arrays_d {
  *
  * @param control  [patch_count][16][3] model units, copied
  * @return         NCR_E_ARG for no patches or non-finite control points (the index is reported),
- *                 NCR_E_NOMEM. Zero-area patches are kept, flagged, and dropped by samplers.
+ *                 NCR_E_LIMIT for 2^32 - 1 patches or more, NCR_E_NOMEM. Zero-area patches are
+ *                 kept, flagged, and dropped by samplers.
  *
  * The surface is immutable: any number of threads may evaluate it.
  */
@@ -84,7 +85,7 @@ NCR_API uint32_t ncr_surface_patch_count(const ncr_surface *surface);
 /** The 16 control points of a Bezier patch as given (borrowed until destroy). */
 NCR_API const double (*ncr_surface_patch_control(const ncr_surface *surface, uint32_t patch))[3];
 
-/** Area in square units by 8x8 Gauss quadrature per patch; `flat_zero` when below
+/** Area in square units to about 1e-9 of itself; `flat_zero` (NULL: not wanted) when below
  *  1e-12 of the surface's squared bounding-box diagonal.                                [S-06] */
 NCR_API double ncr_surface_patch_area(const ncr_surface *surface, uint32_t patch, bool *flat_zero);
 
