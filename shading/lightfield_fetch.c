@@ -1,4 +1,5 @@
 /* SPDX-License-Identifier: MIT */
+#include "core/cpu_internal.h"
 #include "core/half.h"
 #include "sampling/sample_map.h"
 #include "shading/cube.h"
@@ -141,11 +142,16 @@ size_t ncr_lightfield_blend(const ncr_lightfield *field, size_t count, unsigned 
                             const uint16_t *const *point, const float *const *w,
                             const float *const d[3], float *const out[3])
 {
-    return ncr_lightfield_blend_c(field, count, points, point, w, d, out);
+    static ncr_blend_fn *const by_level[] = {ncr_lightfield_blend_c, ncr_lightfield_blend_avx2,
+                                             ncr_lightfield_blend_avx512};
+    return by_level[ncr_cpu_level()](field, count, points, point, w, d, out);
 }
 
 size_t ncr_lightfield_accumulate(const ncr_lightfield *field, size_t count, const uint16_t *point,
                                  const float *const d[3], const float *w, float *const out[3])
 {
-    return ncr_lightfield_accumulate_c(field, count, point, d, w, out);
+    static ncr_accumulate_fn *const by_level[] = {ncr_lightfield_accumulate_c,
+                                                  ncr_lightfield_accumulate_avx2,
+                                                  ncr_lightfield_accumulate_avx512};
+    return by_level[ncr_cpu_level()](field, count, point, d, w, out);
 }

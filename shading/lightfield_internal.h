@@ -43,8 +43,9 @@ typedef size_t ncr_blend_fn(const ncr_lightfield *field, size_t count, unsigned 
                             const float *const d[3], float *const out[3]);
 
 /* The definition, and what a processor can do about it. All give the same bits. */
-ncr_accumulate_fn ncr_lightfield_accumulate_c;
-ncr_blend_fn ncr_lightfield_blend_c;
+ncr_accumulate_fn ncr_lightfield_accumulate_c, ncr_lightfield_accumulate_avx2,
+    ncr_lightfield_accumulate_avx512;
+ncr_blend_fn ncr_lightfield_blend_c, ncr_lightfield_blend_avx2, ncr_lightfield_blend_avx512;
 
 /* Look-ups of pixel k of a blend that have weight and touch a texel never captured. */
 size_t ncr_lightfield_trapped(const ncr_lightfield *field, size_t k, unsigned points,

@@ -1,10 +1,11 @@
 /* SPDX-License-Identifier: MIT */
 #include "tests/check.h"
 
+#include "core/cpu_internal.h"
 #include "core/vec_internal.h"
 #include "sampling/sample_map.h"
 #include "shading/cube.h"
-#include "shading/lightfield.h"
+#include "shading/lightfield_internal.h"
 
 #include <float.h>
 #include <stdlib.h>
@@ -263,6 +264,117 @@ static void rows_of_lookups_are_single_lookups(void **state)
     }
 }
 
+/* Random look-ups, some of missing points, some without weight, among the awkward directions. */
+enum { rows = 1003, blended = 5 };
+typedef struct lookup_case {
+    float d[3][rows], w[blended][rows];
+    uint16_t point[blended][rows];
+} lookup_case;
+
+static void random_case(check_random *random, uint32_t points, lookup_case *c)
+{
+    for (int k = 0; k < rows; k++) {
+        ncr_vec3 v = v_scale(random_direction(random), (float)exp(check_uniform(random, -9, 9)));
+        if (k % 5 == 0) /* on an edge or at a corner */
+            v.y = v.x, v.z = k % 10 ? v.z : -v.x;
+        if (k % 7 == 0)
+            v = v_make(0, k % 2 ? -1.0f : 2.0f, 0);
+        c->d[0][k] = v.x, c->d[1][k] = v.y, c->d[2][k] = v.z;
+        for (int j = 0; j < blended; j++) {
+            const double kind = check_uniform(random, 0, 10);
+            c->w[j][k] = kind < 2 ? 0 : (float)check_uniform(random, 0, 1);
+            c->point[j][k] = kind > 8 ? NCR_NO_POINT : (uint16_t)check_uniform(random, 0, points);
+        }
+    }
+}
+
+static size_t run_accumulate(ncr_accumulate_fn *fn, const ncr_lightfield *field, size_t count,
+                             const lookup_case *c, float out[3][rows])
+{
+    for (int k = 0; k < 3 * rows; k++)
+        out[k / rows][k % rows] = (float)k;
+    return fn(field, count, c->point[0], (const float *const[3]){c->d[0], c->d[1], c->d[2]},
+              c->w[0], (float *const[3]){out[0], out[1], out[2]});
+}
+
+static size_t run_blend(ncr_blend_fn *fn, const ncr_lightfield *field, size_t count,
+                        unsigned points, const lookup_case *c, float out[3][rows])
+{
+    const uint16_t *point[blended];
+    const float *w[blended];
+    for (int j = 0; j < blended; j++) {
+        point[j] = c->point[j];
+        w[j] = c->w[j];
+    }
+    memset(out, 0, 3 * rows * sizeof(float));
+    return fn(field, count, points, point, w, (const float *const[3]){c->d[0], c->d[1], c->d[2]},
+              (float *const[3]){out[0], out[1], out[2]});
+}
+
+static void every_processor_gives_the_same_bits(void **state)
+{
+    (void)state;
+    static ncr_accumulate_fn *const accumulate[] = {ncr_lightfield_accumulate_c,
+                                                    ncr_lightfield_accumulate_avx2,
+                                                    ncr_lightfield_accumulate_avx512};
+    static ncr_blend_fn *const blend[] = {ncr_lightfield_blend_c, ncr_lightfield_blend_avx2,
+                                          ncr_lightfield_blend_avx512};
+    static lookup_case c;
+    static float want[3][rows], got[3][rows];
+    const uint64_t seed = 113;
+    check_random random = {.seed = 114};
+    for (int trial = 0; trial < 24; trial++) {
+        const uint32_t n = (const uint32_t[]){1, 2, 7, 40}[trial % 4];
+        ncr_lightfield *field =
+            make_field(5, n, (ncr_texel_format)(trial & 1), trial % 3, noise_texel, &seed);
+        if (trial % 3 == 0) { /* one point that was never captured */
+            ncr_lightfield_destroy(NULL, field);
+            CHECK_STATUS(NCR_OK, ncr_lightfield_create(NULL, 5, n, NULL, &field));
+            for (uint32_t point = 1; point < 5; point++)
+                fill_point(field, point, noise_texel, &seed);
+            CHECK_STATUS(NCR_OK, ncr_lightfield_seal(NULL, field));
+        }
+        random_case(&random, 5, &c);
+        const size_t count = trial < 8 ? (size_t)trial : rows - (size_t)trial;
+        for (int level = 1; level <= (int)ncr_cpu_level(); level++) {
+            size_t a = run_accumulate(accumulate[0], field, count, &c, want);
+            size_t b = run_accumulate(accumulate[level], field, count, &c, got);
+            CHECK(a == b, "level %d: %zu trapped, %zu by the definition", level, b, a);
+            assert_memory_equal(got, want, sizeof want);
+            for (unsigned points = 1; points <= blended; points++) {
+                a = run_blend(blend[0], field, count, points, &c, want);
+                b = run_blend(blend[level], field, count, points, &c, got);
+                CHECK(a == b, "level %d: %zu trapped, %zu by the definition", level, b, a);
+                assert_memory_equal(got, want, sizeof want);
+            }
+        }
+        ncr_lightfield_destroy(NULL, field);
+    }
+}
+
+static void a_blend_is_the_weighted_sum_of_lookups(void **state)
+{
+    (void)state;
+    static lookup_case c;
+    static float got[3][rows];
+    const uint64_t seed = 115;
+    check_random random = {.seed = 116};
+    ncr_lightfield *field = make_field(5, 11, NCR_TEXEL_HALF, 0, noise_texel, &seed);
+    random_case(&random, 5, &c);
+    run_blend(ncr_lightfield_blend, field, rows, 4, &c, got);
+    for (int k = 0; k < rows; k++) {
+        double want = 0;
+        for (int j = 0; j < 4; j++)
+            if (c.point[j][k] != NCR_NO_POINT)
+                want += (double)c.w[j][k] *
+                        ncr_lightfield_fetch(field, c.point[j][k],
+                                             v_make(c.d[0][k], c.d[1][k], c.d[2][k]))
+                            .x;
+        CHECK_NEAR(got[0][k], want, 1e-6);
+    }
+    ncr_lightfield_destroy(NULL, field);
+}
+
 static void texels_never_captured_are_trapped(void **state)
 {
     (void)state;
@@ -363,6 +475,8 @@ int main(void)
         cmocka_unit_test(smooth_light_is_followed_over_the_edges),
         cmocka_unit_test(too_bright_for_half_is_clamped_and_counted),
         cmocka_unit_test(rows_of_lookups_are_single_lookups),
+        cmocka_unit_test(every_processor_gives_the_same_bits),
+        cmocka_unit_test(a_blend_is_the_weighted_sum_of_lookups),
         cmocka_unit_test(texels_never_captured_are_trapped),
         cmocka_unit_test(bad_calls_are_refused),
         cmocka_unit_test(running_out_of_memory_leaks_nothing),
