@@ -3,7 +3,10 @@
  *
  * Stored at nodes of a grid per patch, u = i/(nu-1), v = j/(nv-1), so that neighbouring patches
  * share their border nodes: the sky (without the sun), area lights, and all diffuse bounces.
- * The sun's direct part is not stored; its shadows are traced where they are needed. */
+ * The sun's direct part is not stored; its shadows are traced where they are needed.
+ *
+ * A surface stores the light of its outer side. Where the inner side is seen (an open shell, the
+ * inside of a spout) the same stored value is used, with the sun by the side that is seen. */
 #ifndef NCR_SHADING_IRRADIANCE_H
 #define NCR_SHADING_IRRADIANCE_H
 
@@ -19,7 +22,7 @@ typedef struct ncr_irradiance_opts {
                           objects get smaller spacing in proportion to sqrt(size); 0: 1/100 of the
                           longest side of the world */
     uint32_t rays;    /* per node in the last pass, a power of two; 0: 256 */
-    uint32_t bounces; /* passes before the last one; 0: 4 */
+    uint32_t bounces; /* passes of 64 rays before the last one; 0: 4 */
     uint64_t seed;
 } ncr_irradiance_opts;
 

@@ -96,21 +96,26 @@ static void prepare_sun(const ncr_sky *sky, const double sun[3], sky_ready *out)
     out->radiance = ncr_sky_sun_radiance(sky);
 }
 
+/* Of linear Rec. 709. */
+static float luminance(const float rgb[3])
+{
+    return 0.2126f * rgb[0] + 0.7152f * rgb[1] + 0.0722f * rgb[2];
+}
+
 /* All but the sun's samples, which radiance does without. */
 static void prepare(const ncr_sky *sky, sky_ready *out)
 {
     double sun[3];
-    bool tinted = false;
     *out = (sky_ready){0};
     out->sun_on = sun_of(sky, sun);
     prepare_shape(sky, out->sun_on ? sun : (const double[3]){0, 0, 1}, out);
     if (out->sun_on)
         prepare_sun(sky, sun, out);
-    for (int k = 0; k < 3; k++)
-        tinted |= sky->horizon[k] != 0;
+    const float tint = luminance(sky->horizon);
+    const float level = tint > 0 ? luminance(sky->zenith) / tint : 0;
     for (int k = 0; k < 3; k++) {
         out->zenith[k] = sky->zenith[k];
-        out->to_horizon[k] = tinted ? sky->horizon[k] - sky->zenith[k] : 0.0f;
+        out->to_horizon[k] = tint > 0 ? level * sky->horizon[k] - sky->zenith[k] : 0;
         out->ground[k] = sky->ground[k];
     }
 }

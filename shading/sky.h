@@ -11,13 +11,14 @@ NCR_BEGIN
 /** A CIE general sky (five shape numbers) tinted from horizon to zenith, with a sun. All radiance
  *  linear Rec. 709.                                                              [CIE-S011] */
 typedef struct ncr_sky {
-    float zenith[3];        /* radiance straight up */
-    float horizon[3];       /* tint of the horizon; zero: as the zenith. Radiance = l(d) T(d), l the
-                               CIE sky with l(zenith) = 1, T = zenith + (1 - d.z)^4 (horizon -
+    float zenith[3];         /* radiance straight up */
+    float horizon[3];        /* colour at the horizon, brought to the zenith's luminance: luminance
+                               is the CIE sky's alone. Zero: as the zenith. Radiance = l(d) T(d), l
+                               the CIE sky with l(zenith) = 1, T = zenith + (1 - d.z)^4 (horizon -
                                zenith), z up */
-    float ground[3];        /* radiance below the horizon */
-    float cie[5];           /* a b c d e of CIE S 011; all zero: 12 (clear, low turbidity) */
-    float sun_direction[3]; /* to the sun, any length; zero: no sun, and no glow about it */
+    float ground[3];         /* radiance below the horizon */
+    float cie[5];            /* a b c d e of CIE S 011; all zero: 12 (clear, low turbidity) */
+    float sun_direction[3];  /* to the sun, any length; zero: no sun, and no glow about it */
     float sun_irradiance[3]; /* on a plane facing the sun; the disc's radiance follows from it */
     float sun_radius_deg;    /* angular radius; 0: 0.2666 */
 } ncr_sky;

@@ -29,8 +29,8 @@ typedef struct ncr_ray_counts {
  * Radiance arriving along `count` <= NCR_TRACE_BATCH rays.
  *
  * @param rays     tmin/tmax may be NULL; `mask` is overruled by the tracer's
- * @param omega    [count] solid angle of each ray's texel for the sun's coverage, or NULL: the
- *                 ray is a point sample (hits the disc or not)
+ * @param coverage [count] share of each ray's texel that the sun's disc fills, or NULL: the ray is
+ *                 a point sample (hits the disc or not). Mirror rays are point samples.
  * @param rgb      [3][count] structure of arrays
  * @param distance [count] distance in units of |d|, +inf for sky; NULL not wanted
  * @param counts   added to; NULL not wanted
@@ -38,14 +38,16 @@ typedef struct ncr_ray_counts {
  * Finite and >= 0 for every usable ray. Re-entrant, allocates nothing.
  */
 NCR_API void ncr_tracer_radiance(const ncr_tracer *tracer, size_t count, const ncr_rays *rays,
-                                 const float *omega, float *const rgb[3], float *distance,
+                                 const float *coverage, float *const rgb[3], float *distance,
                                  ncr_ray_counts *counts);
 
 /**
- * Lambert radiance leaving surface points: albedo / pi * (stored irradiance + sun).
+ * Lambert radiance leaving surface points: albedo / pi * (stored irradiance + sun), or a lamp's
+ * own radiance.
  *
  * @param object,patch,u,v  [count], where; count <= NCR_TRACE_BATCH
- * @param p,n               [count] exact position (frame units) and unit normal
+ * @param p,n               [count] exact position (frame units) and unit normal, turned toward
+ *                          the eye
  * @param rgb               [3][count]
  */
 NCR_API void ncr_tracer_shade(const ncr_tracer *tracer, size_t count, const uint32_t *object,

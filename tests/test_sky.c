@@ -89,6 +89,27 @@ static void radiance_follows_the_printed_formula(void **state)
     }
 }
 
+static double luminance(const float rgb[3])
+{
+    return 0.2126 * (double)rgb[0] + 0.7152 * (double)rgb[1] + 0.0722 * (double)rgb[2];
+}
+
+static void tint_changes_the_colour_and_not_the_luminance(void **state)
+{
+    (void)state;
+    ncr_sky plain = sunny(), tinted = sunny();
+    plain.horizon[0] = plain.horizon[1] = plain.horizon[2] = 0;
+    check_random r = {.seed = 12};
+    for (int k = 0; k < 1000; k++) {
+        const ncr_vec3 d = direction(check_uniform(&r, 0.001, 1), check_uniform(&r, 0, 2 * pi));
+        const ncr_vec3 a = ncr_sky_radiance(&plain, d), b = ncr_sky_radiance(&tinted, d);
+        const double want = luminance((const float[3]){a.x, a.y, a.z});
+        CHECK_NEAR(luminance((const float[3]){b.x, b.y, b.z}), want, 1e-5 * want);
+    }
+    const ncr_vec3 low = ncr_sky_radiance(&tinted, direction(1e-4, 1));
+    CHECK_NEAR((double)(low.x / low.z), 1, 1e-3); /* the grey of the horizon */
+}
+
 /* E = 2 pi int l(mu) mu dmu, and in closed form by the exponential integral E_3:
  * int_0^1 mu exp(b/mu) dmu = E_3(-b), E_3 from E_1 by recurrence. */
 static void overcast_irradiance_has_its_closed_form(void **state)
@@ -219,6 +240,7 @@ int main(void)
         cmocka_unit_test(straight_up_is_the_zenith_radiance),
         cmocka_unit_test(below_the_horizon_is_ground),
         cmocka_unit_test(radiance_follows_the_printed_formula),
+        cmocka_unit_test(tint_changes_the_colour_and_not_the_luminance),
         cmocka_unit_test(overcast_irradiance_has_its_closed_form),
         cmocka_unit_test(constant_sky_gives_pi),
         cmocka_unit_test(sun_disc_has_its_solid_angle_and_irradiance),
