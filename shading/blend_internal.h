@@ -15,4 +15,23 @@ static inline bool ncr_blend_squares(float exponent)
     return exponent <= 1024 && exponent == (float)(unsigned)exponent;
 }
 
+enum { NCR_BLEND_ROW = 64 }; /* pixels at a time */
+
+/* Pixels with four candidates each, structure of arrays. */
+typedef struct ncr_blend_rows {
+    size_t count;                /* <= NCR_BLEND_ROW */
+    const float *x[3], *axis[3]; /* [count] position; n or r, as the basis says */
+    const uint16_t *point[4];    /* [count] NCR_NO_POINT: none */
+    const float (*position)[4];  /* of every point, the fourth unused */
+    float *w[4];                 /* [count] written */
+} ncr_blend_rows;
+
+/* Weights |c|^N or max(c,0)^N normalised, N >= 1 as ncr_blend_squares has it; N = 0: equal ones.
+ * Pixels that are not that simple (no positive cosine, a point closer or farther than a float can
+ * square) get odd[k] = 1 and are left to ncr_blend_weights; returns how many. Other pixels have
+ * its bits. */
+typedef size_t ncr_blend_rows_fn(const ncr_blend_rows *rows, unsigned exponent, bool absolute,
+                                 uint8_t odd[NCR_BLEND_ROW]);
+ncr_blend_rows_fn ncr_blend_rows_avx2, ncr_blend_rows_avx512;
+
 #endif

@@ -102,7 +102,8 @@ unsigned ncr_run_offsets(const ncr_shade_job *job, const ncr_run *run, size_t k,
     unsigned valid = 0;
     for (unsigned j = 0; j < NCR_CANDIDATES; j++) {
         const uint16_t index = run->point[j][k];
-        to_point[j] = index == NCR_NO_POINT ? (ncr_vec3){0, 0, 0} : v_sub(job->point[index], x);
+        const float *p = job->point[index == NCR_NO_POINT ? 0 : index];
+        to_point[j] = v_sub((ncr_vec3){p[0], p[1], p[2]}, x);
         valid |= (unsigned)(index != NCR_NO_POINT) << j;
     }
     return valid;
@@ -276,16 +277,23 @@ static ncr_status choose_terms(const ncr_ctx *ctx, const ncr_method *method, ncr
     return status;
 }
 
-static ncr_status frame_points(const ncr_ctx *ctx, const ncr_shading_inputs *in, ncr_vec3 **out)
+/* Points in frame units, four floats each: one load of a wide register. */
+static ncr_status frame_points(const ncr_ctx *ctx, const ncr_shading_inputs *in, float (**out)[4])
 {
     *out = NULL;
     if (!in->points || !in->frame)
         return NCR_OK;
-    *out = ncr_alloc(ctx, in->points->count * sizeof **out);
-    if (!*out)
-        return NCR_E_NOMEM;
-    ncr_points_to_frame(in->points, in->frame, *out);
-    return NCR_OK;
+    ncr_vec3 *packed = ncr_alloc(ctx, in->points->count * sizeof *packed);
+    float(*wide)[4] = ncr_alloc_zero(ctx, in->points->count, sizeof *wide);
+    if (packed && wide) {
+        ncr_points_to_frame(in->points, in->frame, packed);
+        for (size_t k = 0; k < in->points->count; k++)
+            memcpy(wide[k], &packed[k], sizeof packed[k]);
+        *out = wide;
+    } else
+        ncr_free(ctx, wide);
+    ncr_free(ctx, packed);
+    return *out ? NCR_OK : NCR_E_NOMEM;
 }
 
 /* Rays start beside the surface, farther than its triangles can be from it, and never so close
@@ -341,13 +349,13 @@ ncr_status ncr_method_shade(const ncr_ctx *ctx, const ncr_method *method, ncr_te
     ncr_status status = check_buffers(ctx, gbuffer, image);
     if (status == NCR_OK)
         status = choose_terms(ctx, method, term, recon, inputs, &call, &chosen);
-    ncr_vec3 *point = NULL;
+    float(*point)[4] = NULL;
     if (status == NCR_OK)
         status = frame_points(ctx, inputs, &point);
     if (status == NCR_OK) {
         call.job = (ncr_shade_job){.in = inputs,
                                    .gbuffer = gbuffer,
-                                   .point = point,
+                                   .point = (const float(*)[4])point,
                                    .horizon = (float)cos(horizon * pi / 180),
                                    .lift = lift_of(inputs)};
         if (inputs->horizon_off)

@@ -46,9 +46,9 @@ typedef struct ncr_run {
 typedef struct ncr_shade_job {
     const ncr_shading_inputs *in;
     const ncr_gbuffer *gbuffer;
-    const ncr_vec3 *point; /* [point count] frame units; NULL without points */
-    float horizon;         /* cosine below which reconstruction avoids a point; -2: no rule */
-    float lift;            /* trace: how far off the surface rays start, frame units */
+    const float (*point)[4]; /* [point count] frame units and a 0, aligned; NULL without points */
+    float horizon;           /* cosine below which reconstruction avoids a point; -2: no rule */
+    float lift;              /* trace: how far off the surface rays start, frame units */
 } ncr_shade_job;
 
 typedef void ncr_shade_fn(const ncr_shade_job *job, const ncr_method *method, ncr_run *run,

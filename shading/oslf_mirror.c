@@ -1,29 +1,73 @@
 /* SPDX-License-Identifier: MIT */
-#include "core/vec_internal.h"
+#include "core/cpu_internal.h"
+#include "shading/blend_internal.h"
 #include "shading/method_internal.h"
 
 /* This file follows:
  *   [T]   A. Ang. Offset Surface Light Fields. MMath thesis, University of Waterloo, 2003 */
 
-/* Weights of every pixel's candidates; returns how many look-ups they ask for. */
-static size_t weights(const ncr_shade_job *job, const ncr_method *method, const ncr_run *run,
-                      float w[NCR_CANDIDATES][NCR_RUN], ncr_shade_stats *stats)
+/* The definition, pixel by pixel. */
+static void weigh_pixel(const ncr_shade_job *job, const ncr_method *method, const ncr_run *run,
+                        size_t k, float w[NCR_CANDIDATES][NCR_RUN], ncr_shade_stats *stats)
 {
-    size_t lookups = 0;
-    for (size_t k = 0; k < run->count; k++) {
-        ncr_vec3 to_point[NCR_CANDIDATES];
-        float weight[NCR_CANDIDATES];
-        const unsigned valid = ncr_run_offsets(job, run, k, to_point);
-        const unsigned fallback = ncr_blend_weights(
-            (ncr_basis)method->entry->detail, (float)method->parameter, NCR_CANDIDATES, to_point,
-            valid, ncr_rows_get(&run->n, k), ncr_rows_get(&run->r, k), weight);
-        stats->fallbacks += fallback != 0;
-        for (unsigned j = 0; j < NCR_CANDIDATES; j++) {
-            w[j][k] = weight[j];
-            lookups += weight[j] > 0;
-        }
+    ncr_vec3 to_point[NCR_CANDIDATES];
+    float weight[NCR_CANDIDATES];
+    const unsigned valid = ncr_run_offsets(job, run, k, to_point);
+    const unsigned fallback = ncr_blend_weights(
+        (ncr_basis)method->entry->detail, (float)method->parameter, NCR_CANDIDATES, to_point, valid,
+        ncr_rows_get(&run->n, k), ncr_rows_get(&run->r, k), weight);
+    stats->fallbacks += fallback != 0;
+    for (unsigned j = 0; j < NCR_CANDIDATES; j++)
+        w[j][k] = weight[j];
+}
+
+/* The way through rows that this processor and this method have, or NULL. */
+static ncr_blend_rows_fn *rows_for(const ncr_method *method)
+{
+    static ncr_blend_rows_fn *const by_level[] = {NULL, ncr_blend_rows_avx2, ncr_blend_rows_avx512};
+    const int basis = method->entry->detail;
+    const bool powers = basis == NCR_BASIS_COSINE_R || basis == NCR_BASIS_COSINE_N ||
+                        basis == NCR_BASIS_ABS_R || basis == NCR_BASIS_AVERAGE;
+    return powers && ncr_blend_squares((float)method->parameter) ? by_level[ncr_cpu_level()] : NULL;
+}
+
+static void weigh_row(const ncr_shade_job *job, const ncr_method *method, ncr_blend_rows_fn *fn,
+                      const ncr_run *run, size_t begin, float w[NCR_CANDIDATES][NCR_RUN],
+                      ncr_shade_stats *stats)
+{
+    const int basis = method->entry->detail;
+    const ncr_rows *axis = basis == NCR_BASIS_COSINE_N ? &run->n : &run->r;
+    ncr_blend_rows rows = {.count = run->count - begin, .position = job->point};
+    rows.count = rows.count < NCR_BLEND_ROW ? rows.count : NCR_BLEND_ROW;
+    for (int c = 0; c < 3; c++) {
+        rows.x[c] = run->x.at[c] + begin;
+        rows.axis[c] = axis->at[c] + begin;
     }
-    return lookups;
+    for (int j = 0; j < NCR_CANDIDATES; j++) {
+        rows.point[j] = run->point[j] + begin;
+        rows.w[j] = w[j] + begin;
+    }
+    uint8_t odd[NCR_BLEND_ROW];
+    const size_t left = fn(&rows, (unsigned)method->parameter, basis == NCR_BASIS_ABS_R, odd);
+    for (size_t k = 0; left && k < rows.count; k++)
+        if (odd[k])
+            weigh_pixel(job, method, run, begin + k, w, stats);
+}
+
+/* Weights of every pixel's candidates. */
+static void weigh(const ncr_shade_job *job, const ncr_method *method, const ncr_run *run,
+                  float w[NCR_CANDIDATES][NCR_RUN], ncr_shade_stats *stats)
+{
+    ncr_blend_rows_fn *fn = rows_for(method);
+    for (size_t k = 0; fn && k < run->count; k += NCR_BLEND_ROW)
+        weigh_row(job, method, fn, run, k, w, stats);
+    for (size_t k = 0; !fn && k < run->count; k++)
+        weigh_pixel(job, method, run, k, w, stats);
+    uint32_t lookups = 0;
+    for (int j = 0; j < NCR_CANDIDATES; j++)
+        for (size_t k = 0; k < run->count; k++)
+            lookups += w[j][k] > 0;
+    stats->lookups += lookups;
 }
 
 /* A pixel without any point sees the probe's environment, where there is a probe.      [S-12] */
@@ -43,7 +87,7 @@ void ncr_reflect_blend(const ncr_shade_job *job, const ncr_method *method, ncr_r
                        ncr_shade_stats *stats)
 {
     float w[NCR_CANDIDATES][NCR_RUN];
-    stats->lookups += weights(job, method, run, w, stats);
+    weigh(job, method, run, w, stats);
     stats->trapped += ncr_lightfield_blend(
         job->in->light, run->count, NCR_CANDIDATES,
         (const uint16_t *const[]){run->point[0], run->point[1], run->point[2], run->point[3]},
@@ -57,7 +101,7 @@ void ncr_reflect_one(const ncr_shade_job *job, const ncr_method *method, ncr_run
                      ncr_shade_stats *stats)
 {
     float w[NCR_CANDIDATES][NCR_RUN];
-    stats->lookups += weights(job, method, run, w, stats);
+    weigh(job, method, run, w, stats);
     uint16_t point[NCR_RUN];
     float one[NCR_RUN];
     for (size_t k = 0; k < run->count; k++) {

@@ -1,8 +1,10 @@
 /* SPDX-License-Identifier: MIT */
 #include "tests/check.h"
 
+#include "core/cpu_internal.h"
 #include "core/vec_internal.h"
-#include "shading/blend.h"
+#include "sampling/sample_map.h"
+#include "shading/blend_internal.h"
 
 #include <float.h>
 #include <string.h>
@@ -305,6 +307,88 @@ static void order_does_not_matter(void **state)
     }
 }
 
+/* A row of pixels among a few points, some of them missing, some very close or far away. */
+enum { few = 40 };
+typedef struct row_case {
+    _Alignas(16) float position[few][4];
+    float x[3][NCR_BLEND_ROW], axis[3][NCR_BLEND_ROW], w[4][NCR_BLEND_ROW];
+    uint16_t point[4][NCR_BLEND_ROW];
+} row_case;
+
+static void random_row(check_random *random, row_case *c)
+{
+    for (int p = 0; p < few; p++)
+        for (int k = 0; k < 3; k++)
+            c->position[p][k] = (float)check_uniform(random, -1, 1) * (p % 10 == 9 ? 1e-16f : 1);
+    for (int k = 0; k < NCR_BLEND_ROW; k++) {
+        const ncr_vec3 axis = random_unit(random);
+        c->axis[0][k] = axis.x, c->axis[1][k] = axis.y, c->axis[2][k] = axis.z;
+        for (int i = 0; i < 3; i++)
+            c->x[i][k] = k % 8 ? (float)check_uniform(random, -1, 1) : 0;
+        for (int j = 0; j < 4; j++) {
+            const double p = check_uniform(random, 0, few * 1.2);
+            c->point[j][k] = p < few ? (uint16_t)p : NCR_NO_POINT;
+            if (j && k % 5 == 1) /* ties */
+                c->point[j][k] = c->point[0][k];
+        }
+    }
+}
+
+/* Compares one pixel of a row with the definition; returns whether it was left to it. */
+static bool check_pixel(const row_case *c, int k, unsigned exponent, bool absolute, bool odd)
+{
+    const ncr_vec3 axis = v_make(c->axis[0][k], c->axis[1][k], c->axis[2][k]);
+    const ncr_vec3 x = v_make(c->x[0][k], c->x[1][k], c->x[2][k]);
+    ncr_vec3 to_point[4];
+    unsigned valid = 0;
+    for (unsigned j = 0; j < 4; j++) {
+        const float *p = c->position[c->point[j][k] == NCR_NO_POINT ? 0 : c->point[j][k]];
+        to_point[j] = v_sub(v_make(p[0], p[1], p[2]), x);
+        valid |= (unsigned)(c->point[j][k] != NCR_NO_POINT) << j;
+    }
+    float want[4];
+    const unsigned fallback =
+        ncr_blend_weights(absolute ? NCR_BASIS_ABS_R : NCR_BASIS_COSINE_R, (float)exponent, 4,
+                          to_point, valid, axis, axis, want);
+    CHECK(odd || !fallback, "exponent %u pixel %d: fallback %u was not left to the definition",
+          exponent, k, fallback);
+    for (int j = 0; j < 4 && !odd; j++)
+        CHECK(c->w[j][k] == want[j], "exponent %u pixel %d: weight %d is %.9g, want %.9g", exponent,
+              k, j, c->w[j][k], want[j]);
+    return odd;
+}
+
+static void rows_of_weights_are_the_definition(void **state)
+{
+    (void)state;
+    static ncr_blend_rows_fn *const by_level[] = {NULL, ncr_blend_rows_avx2, ncr_blend_rows_avx512};
+    static row_case c;
+    check_random random = {.seed = 113};
+    int odd_ones = 0, pixels = 0;
+    for (int trial = 0; trial < 3000; trial++) {
+        random_row(&random, &c);
+        const unsigned exponent = (const unsigned[]){0, 1, 2, 4, 8, 16, 61, 1024}[trial % 8];
+        const ncr_blend_rows rows = {.count = trial % 3 ? NCR_BLEND_ROW
+                                                        : 1 + (size_t)trial % NCR_BLEND_ROW,
+                                     .x = {c.x[0], c.x[1], c.x[2]},
+                                     .axis = {c.axis[0], c.axis[1], c.axis[2]},
+                                     .point = {c.point[0], c.point[1], c.point[2], c.point[3]},
+                                     .position = (const float(*)[4])c.position,
+                                     .w = {c.w[0], c.w[1], c.w[2], c.w[3]}};
+        for (int level = 1; level <= (int)ncr_cpu_level(); level++) {
+            uint8_t odd[NCR_BLEND_ROW];
+            const size_t left = by_level[level](&rows, exponent, trial & 8, odd);
+            size_t counted = 0;
+            for (size_t k = 0; k < rows.count; k++)
+                counted += check_pixel(&c, (int)k, exponent, trial & 8, odd[k]);
+            assert_int_equal(counted, left);
+            odd_ones += (int)left;
+            pixels += (int)rows.count;
+        }
+    }
+    assert_true(odd_ones * 3 < pixels); /* the rule, not the exception, goes in rows */
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -319,6 +403,7 @@ int main(void)
         cmocka_unit_test(a_point_at_the_surface_lies_along_the_normal),
         cmocka_unit_test(lengths_do_not_matter_to_cosines),
         cmocka_unit_test(order_does_not_matter),
+        cmocka_unit_test(rows_of_weights_are_the_definition),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
