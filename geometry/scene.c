@@ -136,7 +136,8 @@ static ncr_status tessellate(const ncr_ctx *ctx, const ncr_frame *frame, double 
             chord = fmax(chord, object->max[k] - object->min[k]);
         chord *= default_chord;
     }
-    return ncr_mesh_create(ctx, object->surface, chord, &object->mesh);
+    const ncr_status status = ncr_mesh_create(ctx, object->surface, chord, &object->mesh);
+    return status ? status : ncr_winding_create(ctx, &object->mesh, &object->winding);
 }
 
 static ncr_status build(const ncr_ctx *ctx, const ncr_object_desc *objects,
@@ -191,6 +192,7 @@ void ncr_scene_destroy(const ncr_ctx *ctx, ncr_scene *scene)
     ncr_ray_tracer_destroy(ctx, scene->tracer);
     for (uint32_t i = 0; i < scene->count; i++) {
         ncr_object *object = &scene->objects[i];
+        ncr_winding_destroy(ctx, object->winding);
         ncr_mesh_dispose(ctx, &object->mesh);
         ncr_surface_destroy(ctx, object->surface);
         ncr_free(ctx, object->name);
@@ -284,4 +286,29 @@ size_t ncr_scene_occluded(const ncr_scene *scene, size_t count, const ncr_rays *
                           uint8_t *blocked)
 {
     return ncr_ray_tracer_occluded(scene->tracer, count, rays, blocked);
+}
+
+double ncr_scene_winding(const ncr_scene *scene, uint32_t object, const double p[3])
+{
+    return ncr_winding_at(object_at(scene, object)->winding, p, 0.01, false);
+}
+
+/* Outside its box a closed object's number is 0 and an open one's is not a matter of inside. */
+static bool in_box(const ncr_object *object, const double p[3])
+{
+    for (int k = 0; k < 3; k++)
+        if (!(p[k] >= object->min[k] && p[k] <= object->max[k]))
+            return false;
+    return true;
+}
+
+uint32_t ncr_scene_inside(const ncr_scene *scene, const double p[3])
+{
+    for (uint32_t i = 0; i < scene->count; i++) {
+        const ncr_object *object = &scene->objects[i];
+        if (!object->open && in_box(object, p) &&
+            ncr_winding_at(object->winding, p, 0.001, true) > 0.5)
+            return i;
+    }
+    return NCR_NONE;
 }

@@ -53,7 +53,8 @@ NCR_API uint32_t ncr_scene_find(const ncr_scene *scene, const char *name);
 NCR_API const ncr_surface *ncr_scene_object_surface(const ncr_scene *scene, uint32_t object);
 NCR_API uint32_t ncr_scene_object_mask(const ncr_scene *scene, uint32_t object);
 NCR_API bool ncr_scene_object_open(const ncr_scene *scene, uint32_t object);
-/** Chord tolerance in frame units: no point of the surface is farther from its triangles. */
+/** Chord in frame units: no point of the surface is farther from its triangles. At most what was
+ *  asked for, unless that would take more than 256 quads along a patch. */
 NCR_API float ncr_scene_object_chord(const ncr_scene *scene, uint32_t object);
 /** Triangles of one object, or of all with NCR_NONE. */
 NCR_API size_t ncr_scene_triangle_count(const ncr_scene *scene, uint32_t object);
@@ -72,9 +73,9 @@ NCR_API void ncr_scene_triangles(const ncr_scene *scene, uint32_t object, ncr_tr
 /**
  * Rays, structure of arrays. `d` need not be unit; t counts in units of |d|.
  *
- * A ray that is not usable - a non-finite number (tmax may be +infinity), |d| component above
- * 1e18, d = 0, tmin < 0 - is never handed to the ray tracer: it misses, and is counted by the
- * call's return value.
+ * A ray that is not usable - a non-finite number (tmax may be infinite), a component above 1e18,
+ * all components of d below 1e-18, tmin < 0 - is never handed to the ray tracer: it misses, and is
+ * counted by the call's return value. tmax < tmin is an empty range: a miss.
  */
 typedef struct ncr_rays {
     float *ox, *oy, *oz; /* [count] origin, frame units */
@@ -108,16 +109,20 @@ typedef struct ncr_exact_hit {
     double p[3], n[3]; /* frame units; unit outward normal */
     double u, v, t;
     unsigned flags; /* NCR_NORMAL_* */
-    bool refined;   /* false: Newton did not improve on the triangle; p is the patch at (u,v) */
+    bool refined;   /* false: the ray passes the patch by; p is the patch at (u,v) all the same */
 } ncr_exact_hit;
 
 /**
  * Refine a hit on the patch: solve P(u,v) = o + t d by guarded Newton from the triangle's (u,v),
  * a step being taken only if it lowers the distance.                              [S-02, S-10]
  *
- * @param o,d    the ray in double, frame units
+ * @param o,d    the ray in double, frame units, d not zero
+ * @param u,v,t  what closest-hit gave
  *
- * When refined, |P(u,v) - (o + t d)| <= 1e-9. (u,v) stays in [0,1]^2 of the hit patch.
+ * When refined, |P(u,v) - (o + t d)| <= 1e-9. (u,v) stays in [0,1]^2 of the hit patch, so a ray
+ * that met the triangle outside the patch (silhouettes, borders) is not refined; then (u,v) is the
+ * nearest to it that was found, or the one given where Newton ran off to another sheet. t is
+ * always the point of the ray nearest to p.
  */
 NCR_API void ncr_scene_refine(const ncr_scene *scene, uint32_t object, uint32_t patch,
                               const double o[3], const double d[3], double u, double v, double t,
@@ -125,10 +130,11 @@ NCR_API void ncr_scene_refine(const ncr_scene *scene, uint32_t object, uint32_t 
 
 /** Generalised winding number of one object about a point in frame units: 1 inside a closed,
  *  outward surface, 0 outside, in between near the mouth of an open one.   [S-08] [Barill18]
- *  Absolute error below 0.01 farther than twice the chord tolerance from the surface. */
+ *  That of the object's triangles, everywhere to an absolute error of 0.01. */
 NCR_API double ncr_scene_winding(const ncr_scene *scene, uint32_t object, const double p[3]);
 
-/** First object with winding number above one half at p, or NCR_NONE; open sheets are skipped. */
+/** First object with winding number above one half at p, or NCR_NONE. Open sheets are skipped; an
+ *  object contains nothing outside its bounding box. */
 NCR_API uint32_t ncr_scene_inside(const ncr_scene *scene, const double p[3]);
 
 NCR_END

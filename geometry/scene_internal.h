@@ -6,6 +6,7 @@
 #include "geometry/ray_internal.h"
 #include "geometry/scene.h"
 #include "geometry/tessellate_internal.h"
+#include "geometry/winding_internal.h"
 
 typedef struct ncr_object {
     char *name;
@@ -14,6 +15,7 @@ typedef struct ncr_object {
     bool open;
     double min[3], max[3]; /* contains surface and triangles */
     ncr_mesh mesh;
+    ncr_winding *winding;
 } ncr_object;
 
 struct ncr_scene {
