@@ -1,62 +1,69 @@
 /* SPDX-License-Identifier: MIT */
-#include "geometry/surface.h"
-
+#include "core/vec_internal.h"
+#include "geometry/bezier_many_internal.h"
 #include "geometry/bezier_patch_internal.h"
 
-static void put_f(float *const to[3], size_t k, const double from[3])
+/* TINY: fraction of the longest normal below which a normal made of rounded tangents could
+ * be wrong by 2e-5 radian (float) or 1e-12 (double); the definition makes it then, as a limit
+ * where it must be. LARGE: patches between 1/LARGE and LARGE in size have tangents whose squared
+ * products stay in range. */
+
+#define REAL float
+#define ARRAYS ncr_surface_arrays
+#define NETS ncr_bezier_nets
+#define MANY ncr_bezier_many_fn
+#define FN(name) name##_f
+#define TINY 0x1p-8
+#define LARGE 0x1p60
+#include "geometry/surface_many.inc"
+#undef REAL
+#undef ARRAYS
+#undef NETS
+#undef MANY
+#undef FN
+#undef TINY
+#undef LARGE
+
+#define REAL double
+#define ARRAYS ncr_surface_arrays_d
+#define NETS ncr_bezier_nets_d
+#define MANY ncr_bezier_many_d_fn
+#define FN(name) name##_d
+#define TINY 0x1p-20
+#define LARGE 0x1p400
+#include "geometry/surface_many.inc"
+
+#if defined(__x86_64__)
+static ncr_bezier_many_fn *const many[] = {NULL, ncr_bezier_many_avx2, ncr_bezier_many_avx512};
+static ncr_bezier_many_d_fn *const many_d[] = {NULL, ncr_bezier_many_d_avx2,
+                                               ncr_bezier_many_d_avx512};
+#else
+static ncr_bezier_many_fn *const many[3];
+static ncr_bezier_many_d_fn *const many_d[3];
+#endif
+
+void ncr_surface_eval_many_at(ncr_cpu level, const ncr_surface *surface, uint32_t patch,
+                              size_t count, const float *u, const float *v,
+                              const ncr_surface_arrays *out)
 {
-    if (to[0])
-        for (int i = 0; i < 3; i++)
-            to[i][k] = (float)from[i];
+    eval_f(many[level], surface, patch, count, u, v, out);
 }
 
-static void put_d(double *const to[3], size_t k, const double from[3])
+void ncr_surface_eval_many_d_at(ncr_cpu level, const ncr_surface *surface, uint32_t patch,
+                                size_t count, const double *u, const double *v,
+                                const ncr_surface_arrays_d *out)
 {
-    if (to[0])
-        for (int i = 0; i < 3; i++)
-            to[i][k] = from[i];
+    eval_d(many_d[level], surface, patch, count, u, v, out);
 }
 
 void ncr_surface_eval_many(const ncr_surface *surface, uint32_t patch, size_t count, const float *u,
                            const float *v, const ncr_surface_arrays *out)
 {
-    for (size_t k = 0; k < count; k++) {
-        ncr_surface_point at;
-        double n[3] = {0, 0, 0};
-        ncr_surface_eval(surface, patch, u[k], v[k], &at);
-        if (out->n[0])
-            ncr_surface_normal(surface, patch, u[k], v[k], n);
-        put_f(out->p, k, at.p);
-        put_f(out->du, k, at.du);
-        if (out->du[0])
-            put_f(out->dv, k, at.dv);
-        put_f(out->duu, k, at.duu);
-        if (out->duu[0]) {
-            put_f(out->duv, k, at.duv);
-            put_f(out->dvv, k, at.dvv);
-        }
-        put_f(out->n, k, n);
-    }
+    ncr_surface_eval_many_at(ncr_cpu_level(), surface, patch, count, u, v, out);
 }
 
 void ncr_surface_eval_many_d(const ncr_surface *surface, uint32_t patch, size_t count,
                              const double *u, const double *v, const ncr_surface_arrays_d *out)
 {
-    for (size_t k = 0; k < count; k++) {
-        ncr_surface_point at;
-        double n[3] = {0, 0, 0};
-        ncr_surface_eval(surface, patch, u[k], v[k], &at);
-        if (out->n[0])
-            ncr_surface_normal(surface, patch, u[k], v[k], n);
-        put_d(out->p, k, at.p);
-        put_d(out->du, k, at.du);
-        if (out->du[0])
-            put_d(out->dv, k, at.dv);
-        put_d(out->duu, k, at.duu);
-        if (out->duu[0]) {
-            put_d(out->duv, k, at.duv);
-            put_d(out->dvv, k, at.dvv);
-        }
-        put_d(out->n, k, n);
-    }
+    ncr_surface_eval_many_d_at(ncr_cpu_level(), surface, patch, count, u, v, out);
 }
