@@ -12,7 +12,7 @@
 enum { colours = 8, shapes = 4 };
 
 /* The drawing, in SVG units, and the logarithmic window on the data. */
-static const label_box frame = {66, 14, 748, 392};
+static const label_box frame = {58, 12, 608, 352};
 
 typedef struct scale {
     double lo, hi; /* log10 */
@@ -119,9 +119,9 @@ static void put_axes(const scatter *p, text *out)
     text_printf(out,
                 "<text class=\"name\" x=\"%.1f\" y=\"%.1f\" text-anchor=\"middle\">time for the "
                 "image</text>\n",
-                (double)(frame.x0 + frame.x1) / 2, (double)frame.y1 + 36);
+                (double)(frame.x0 + frame.x1) / 2, (double)frame.y1 + 37);
     text_printf(out,
-                "<text class=\"name\" transform=\"translate(15 %.1f) rotate(-90)\" "
+                "<text class=\"name\" transform=\"translate(13 %.1f) rotate(-90)\" "
                 "text-anchor=\"middle\">%s</text>\n",
                 (double)(frame.y0 + frame.y1) / 2, report_metric_name(p->metric));
 }
@@ -172,9 +172,38 @@ static void put_front(const scatter *p, text *out)
     text_printf(out, "H%.1f\"/>\n", (double)frame.x1);
 }
 
+/* The mark of the same method with the next larger cube, or NULL. */
+static const series_mark *next_size(const series *s, const series_mark *m)
+{
+    const series_mark *next = NULL;
+    for (size_t k = 0; k < s->count; k++) {
+        const series_mark *other = &s->marks[k];
+        if (other->row->cube > m->row->cube && !strcmp(other->row->method, m->row->method) &&
+            (!next || other->row->cube < next->row->cube))
+            next = other;
+    }
+    return next;
+}
+
+/* What a method gains from larger cubes: a thread from size to size. */
+static void put_threads(const series *s, text *out)
+{
+    for (size_t k = 0; k < s->count; k++) {
+        const series_mark *m = &s->marks[k], *next = next_size(s, m);
+        if (next)
+            text_printf(out, "<path class=\"thread c%d\" d=\"M%.1f %.1fL%.1f %.1f\"/>\n",
+                        m->family % colours, (double)m->x, (double)m->y, (double)next->x,
+                        (double)next->y);
+    }
+}
+
+/* A method is named once, at its largest cube. */
 static void put_label(scatter *p, const series_mark *m, text *out)
 {
-    const float height = 13, width = 6.1f * (float)strlen(m->row->method) + 4;
+    if (next_size(p->series, m))
+        return;
+    const float letter = m->front ? 6.9f : 6.2f; /* wide for system-ui at 11 */
+    const float height = 13, width = letter * (float)strlen(m->row->method) + 4;
     label_box box;
     int ring;
     if (!label_place(&p->space, m->x, m->y, width, height, &box, &ring))
@@ -250,12 +279,13 @@ static void draw(scatter *p, text *out)
     }
     qsort(s->marks, s->count, sizeof *s->marks, by_time);
     text_printf(out,
-                "<svg class=\"plot\" viewBox=\"0 0 760 440\" role=\"img\" "
+                "<svg class=\"plot\" viewBox=\"0 0 620 396\" role=\"img\" "
                 "aria-label=\"%s against run time\">\n",
                 report_metric_name(p->metric));
     put_axes(p, out);
     put_limits(p, out);
     put_front(p, out);
+    put_threads(s, out);
     for (size_t k = s->count; k-- > 0;)
         put_mark(p, &s->marks[k], out);
     for (size_t k = 0; k < s->count; k++)
