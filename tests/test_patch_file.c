@@ -1,62 +1,16 @@
 /* SPDX-License-Identifier: MIT */
-#include "check.h"
+#include "files.h"
 #include "io/atomic_file_internal.h"
 #include "io/patch_file.h"
 
-#include <dirent.h>
 #include <locale.h>
-#include <stdlib.h>
-#include <string.h>
-#include <sys/stat.h>
-#include <unistd.h>
 
-static char folder[64];
-
-static int make_folder(void **state)
-{
-    (void)state;
-    strcpy(folder, "/tmp/ncr_patch_XXXXXX");
-    return mkdtemp(folder) ? 0 : -1;
-}
-
-static int remove_folder(void **state)
-{
-    (void)state;
-    char command[96];
-    snprintf(command, sizeof command, "rm -r %s", folder);
-    return system(command);
-}
-
-static size_t folder_entries(void)
-{
-    size_t count = 0;
-    DIR *d = opendir(folder);
-    for (struct dirent *e; (e = readdir(d));)
-        count += e->d_name[0] != '.';
-    closedir(d);
-    return count;
-}
-
-static const char *in_folder(const char *name, char out[128])
-{
-    snprintf(out, 128, "%s/%s", folder, name);
-    return out;
-}
-
-static char last_report[512];
-
-static void keep_report(void *user, ncr_status status, const char *sentence)
-{
-    (void)user, (void)status;
-    snprintf(last_report, sizeof last_report, "%s", sentence);
-}
-
-static const ncr_ctx loud = {.struct_size = sizeof(ncr_ctx), .report = keep_report, .workers = 1};
+static const ncr_ctx *const ctx = &files_ctx;
 
 static ncr_status parse(const char *text, ncr_patch_set *out)
 {
-    last_report[0] = 0;
-    return ncr_patch_text_parse(&loud, "t.patches", text, strlen(text), out);
+    files_report[0] = 0;
+    return ncr_patch_text_parse(ctx, "t.patches", text, strlen(text), out);
 }
 
 #define INDICES "0 1 2 0 1 2 0 1 2 0 1 2 0 1 2 0\n"
@@ -71,7 +25,7 @@ static void a_commented_set_is_read(void **state)
     assert_int_equal(set.count, 1);
     assert_true(set.control[0][0][0] == 1.4 && set.control[0][1][0] == -1e-3);
     assert_true(set.control[0][15][2] == 2.4 && set.control[0][14][1] == 4);
-    ncr_patch_set_dispose(&loud, &set);
+    ncr_patch_set_dispose(ctx, &set);
 }
 
 static void every_mistake_is_named_with_its_line(void **state)
@@ -110,7 +64,7 @@ static void every_mistake_is_named_with_its_line(void **state)
         ncr_patch_set set;
         CHECK_STATUS(NCR_E_FORMAT, parse(cases[k].text, &set));
         assert_null(set.control);
-        assert_string_equal(last_report, cases[k].sentence);
+        assert_string_equal(files_report, cases[k].sentence);
     }
 }
 
@@ -126,9 +80,8 @@ static void a_missing_file_is_an_io_error(void **state)
 {
     (void)state;
     ncr_patch_set set;
-    char path[128];
-    CHECK_STATUS(NCR_E_IO, ncr_patch_file_read(&loud, in_folder("none", path), &set));
-    CHECK_STATUS(NCR_E_IO, ncr_patch_file_read(&loud, folder, &set));
+    CHECK_STATUS(NCR_E_IO, ncr_patch_file_read(ctx, file_at("none").text, &set));
+    CHECK_STATUS(NCR_E_IO, ncr_patch_file_read(ctx, files_folder, &set));
 }
 
 /* Doubles of every size, by their bits. */
@@ -150,14 +103,14 @@ static void doubles_survive_a_round_trip_bit_for_bit(void **state)
     memcpy(control[3], control[2], sizeof control[3]);
     control[4][5][1] = -0.0;
     const ncr_patch_set set = {.count = count, .control = control};
-    char path[128];
-    CHECK_STATUS(NCR_OK, ncr_patch_file_write(&loud, in_folder("a.patches", path), &set));
+    const file_path p = file_at("a.patches");
+    CHECK_STATUS(NCR_OK, ncr_patch_file_write(ctx, p.text, &set));
     ncr_patch_set back;
-    CHECK_STATUS(NCR_OK, ncr_patch_file_read(&loud, path, &back));
+    CHECK_STATUS(NCR_OK, ncr_patch_file_read(ctx, p.text, &back));
     assert_int_equal(back.count, count);
     assert_memory_equal(back.control, control, sizeof control);
-    ncr_patch_set_dispose(&loud, &back);
-    assert_int_equal(folder_entries(), 1);
+    ncr_patch_set_dispose(ctx, &back);
+    assert_int_equal(files_count(), 1);
 }
 
 static void equal_points_are_written_once_and_short(void **state)
@@ -167,14 +120,14 @@ static void equal_points_are_written_once_and_short(void **state)
     for (int k = 0; k < 32; k++)
         memcpy(control[k / 16][k % 16], (double[3]){k % 3 ? 1.4 : 0.1, 2, 3}, sizeof(double[3]));
     const ncr_patch_set set = {.count = 2, .control = control};
-    char path[128];
-    CHECK_STATUS(NCR_OK, ncr_patch_file_write(&loud, in_folder("b.patches", path), &set));
+    const file_path p = file_at("b.patches");
+    CHECK_STATUS(NCR_OK, ncr_patch_file_write(ctx, p.text, &set));
     uint8_t *data;
     size_t size;
-    CHECK_STATUS(NCR_OK, ncr_file_read(&loud, path, 1000, &data, &size));
+    CHECK_STATUS(NCR_OK, ncr_file_read(ctx, p.text, 1000, &data, &size));
     static const char head[] = "nacre patches 1\npoints 2\n0.1 2 3\n1.4 2 3\npatches 2\n0 1 1 0";
     assert_memory_equal(data, head, sizeof head - 1);
-    ncr_free(&loud, data);
+    ncr_free(ctx, data);
 }
 
 static void a_failed_write_leaves_the_earlier_file(void **state)
@@ -182,47 +135,48 @@ static void a_failed_write_leaves_the_earlier_file(void **state)
     (void)state;
     double control[1][16][3] = {{{1}}};
     const ncr_patch_set good = {.count = 1, .control = control};
-    char path[128], below[160];
-    const size_t before = folder_entries();
-    CHECK_STATUS(NCR_OK, ncr_patch_file_write(&loud, in_folder("c.patches", path), &good));
+    const file_path p = file_at("c.patches");
+    char below[200];
+    const size_t before = files_count();
+    CHECK_STATUS(NCR_OK, ncr_patch_file_write(ctx, p.text, &good));
     double bad_control[1][16][3] = {{{NAN}}};
     const ncr_patch_set bad = {.count = 1, .control = bad_control};
-    CHECK_STATUS(NCR_E_ARG, ncr_patch_file_write(&loud, path, &bad));
-    snprintf(below, sizeof below, "%s/x", path);
-    CHECK_STATUS(NCR_E_IO, ncr_patch_file_write(&loud, below, &good));
-    CHECK_STATUS(NCR_E_IO, ncr_patch_file_write(&loud, folder, &good));
-    CHECK_STATUS(NCR_E_IO, ncr_patch_file_write(&loud, "/dev/null", &good));
+    CHECK_STATUS(NCR_E_ARG, ncr_patch_file_write(ctx, p.text, &bad));
+    snprintf(below, sizeof below, "%s/x", p.text);
+    CHECK_STATUS(NCR_E_IO, ncr_patch_file_write(ctx, below, &good));
+    CHECK_STATUS(NCR_E_IO, ncr_patch_file_write(ctx, files_folder, &good));
+    CHECK_STATUS(NCR_E_IO, ncr_patch_file_write(ctx, "/dev/null", &good));
     ncr_patch_set back;
-    CHECK_STATUS(NCR_OK, ncr_patch_file_read(&loud, path, &back));
-    ncr_patch_set_dispose(&loud, &back);
-    assert_int_equal(folder_entries(), before + 1);
+    CHECK_STATUS(NCR_OK, ncr_patch_file_read(ctx, p.text, &back));
+    ncr_patch_set_dispose(ctx, &back);
+    assert_int_equal(files_count(), before + 1);
 }
 
 static void an_abandoned_file_leaves_nothing(void **state)
 {
     (void)state;
-    const size_t before = folder_entries();
+    const size_t before = files_count();
     ncr_atomic_file file;
-    char path[128];
-    CHECK_STATUS(NCR_OK, ncr_atomic_file_open(&loud, in_folder("d", path), &file));
-    assert_int_equal(folder_entries(), before + 1);
-    ncr_atomic_file_abandon(&loud, &file);
-    assert_int_equal(folder_entries(), before);
+    const file_path p = file_at("d");
+    CHECK_STATUS(NCR_OK, ncr_atomic_file_open(ctx, p.text, &file));
+    assert_int_equal(files_count(), before + 1);
+    ncr_atomic_file_abandon(ctx, &file);
+    assert_int_equal(files_count(), before);
 }
 
 /* A full disk shows when the buffer is flushed: the commit has to notice. */
 static void a_stream_that_failed_is_not_renamed(void **state)
 {
     (void)state;
-    const size_t before = folder_entries();
+    const size_t before = files_count();
     ncr_atomic_file file;
-    char path[128];
-    CHECK_STATUS(NCR_OK, ncr_atomic_file_open(&loud, in_folder("e", path), &file));
+    const file_path p = file_at("e");
+    CHECK_STATUS(NCR_OK, ncr_atomic_file_open(ctx, p.text, &file));
     FILE *full = freopen("/dev/full", "w", file.stream);
     assert_non_null(full);
     fputs("lost", full);
-    CHECK_STATUS(NCR_E_IO, ncr_atomic_file_commit(&loud, &file));
-    assert_int_equal(folder_entries(), before);
+    CHECK_STATUS(NCR_E_IO, ncr_atomic_file_commit(ctx, &file));
+    assert_int_equal(files_count(), before);
 }
 
 static void numbers_do_not_follow_the_locale(void **state)
@@ -241,55 +195,30 @@ static void numbers_do_not_follow_the_locale(void **state)
         NCR_OK,
         parse("nacre patches 1\npoints 3\n1.5 0 2.4\n1 2 3\n1 2 3\npatches 1\n" INDICES, &set));
     assert_true(set.control[0][0][0] == 1.5);
-    char path[128];
-    CHECK_STATUS(NCR_OK, ncr_patch_file_write(&loud, in_folder("f.patches", path), &set));
-    ncr_patch_set_dispose(&loud, &set);
-    CHECK_STATUS(NCR_OK, ncr_patch_file_read(&loud, path, &set));
+    const file_path p = file_at("f.patches");
+    CHECK_STATUS(NCR_OK, ncr_patch_file_write(ctx, p.text, &set));
+    ncr_patch_set_dispose(ctx, &set);
+    CHECK_STATUS(NCR_OK, ncr_patch_file_read(ctx, p.text, &set));
     assert_true(set.control[0][0][2] == 2.4);
-    ncr_patch_set_dispose(&loud, &set);
+    ncr_patch_set_dispose(ctx, &set);
     setlocale(LC_ALL, "C");
-}
-
-/* Refuses the allocation numbered `left`, counting down, and counts what is held. */
-typedef struct meter {
-    long left, held;
-} meter;
-
-static void *metered_alloc(void *user, size_t size, size_t align)
-{
-    meter *m = user;
-    if (m->left-- == 0)
-        return NULL;
-    m->held++;
-    return aligned_alloc(align, size);
-}
-
-static void metered_release(void *user, void *ptr, size_t size)
-{
-    (void)size;
-    ((meter *)user)->held--;
-    free(ptr);
 }
 
 static void refused_memory_leaks_nothing(void **state)
 {
     (void)state;
-    char path[128];
-    in_folder("g.patches", path);
+    const file_path p = file_at("g.patches");
     ncr_status status = NCR_E_NOMEM;
     for (long k = 0; status == NCR_E_NOMEM; k++) {
-        meter m = {.left = k};
-        const ncr_ctx ctx = {.struct_size = sizeof ctx,
-                             .user = &m,
-                             .alloc = metered_alloc,
-                             .release = metered_release};
+        file_meter m = {.left = k};
+        const ncr_ctx metered = file_meter_ctx(&m);
         double control[1][16][3] = {{{1}}};
         const ncr_patch_set set = {.count = 1, .control = control};
         ncr_patch_set back = {0};
-        status = ncr_patch_file_write(&ctx, path, &set);
+        status = ncr_patch_file_write(&metered, p.text, &set);
         if (status == NCR_OK)
-            status = ncr_patch_file_read(&ctx, path, &back);
-        ncr_patch_set_dispose(&ctx, &back);
+            status = ncr_patch_file_read(&metered, p.text, &back);
+        ncr_patch_set_dispose(&metered, &back);
         assert_int_equal(m.held, 0);
     }
     CHECK_STATUS(NCR_OK, status);
@@ -312,11 +241,11 @@ static void mutated_text_never_crashes(void **state)
         }
         ncr_patch_set set;
         char *exact = realloc(copy, length ? length : 1);
-        if (ncr_patch_text_parse(&loud, "m", exact, length, &set) == NCR_OK) {
+        if (ncr_patch_text_parse(ctx, "m", exact, length, &set) == NCR_OK) {
             for (int c = 0; c < 48; c++)
                 assert_true(isfinite(set.control[0][c / 3][c % 3]));
         }
-        ncr_patch_set_dispose(&loud, &set);
+        ncr_patch_set_dispose(ctx, &set);
         free(exact);
     }
 }
@@ -337,5 +266,5 @@ int main(void)
         cmocka_unit_test(refused_memory_leaks_nothing),
         cmocka_unit_test(mutated_text_never_crashes),
     };
-    return cmocka_run_group_tests(tests, make_folder, remove_folder);
+    return cmocka_run_group_tests(tests, files_make_folder, files_remove_folder);
 }

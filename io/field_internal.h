@@ -1,0 +1,109 @@
+/* SPDX-License-Identifier: MIT
+ * field_internal.h - the parts of a field folder. */
+#ifndef NCR_IO_FIELD_INTERNAL_H
+#define NCR_IO_FIELD_INTERNAL_H
+
+#include "io/field_file.h"
+
+#include <stdatomic.h>
+
+_Static_assert(__BYTE_ORDER__ == __ORDER_LITTLE_ENDIAN__,
+               "field files are little-endian and are read and written as they lie in memory");
+
+enum {
+    NCR_FIELD_VERSION = 1,
+    NCR_FIELD_PAGES_MAX = 4096,
+    NCR_FIELD_PATCHES_MAX = 1 << 20,
+    NCR_FIELD_FILES_MAX = NCR_FIELD_PAGES_MAX + 3,
+};
+
+/* A path inside the folder. */
+typedef struct ncr_field_path {
+    char text[4096];
+} ncr_field_path;
+ncr_field_path ncr_field_join(const char *folder, const char *name);
+
+/* ---- field.json ---- */
+
+typedef struct ncr_field_entry {
+    uint64_t bytes;
+    uint32_t crc;
+} ncr_field_entry;
+
+/* What field.json holds, minus prose. File k is points, charts, radiance, then page k - 3. */
+typedef struct ncr_field_manifest {
+    char object[256], scene_hash[17];
+    ncr_frame frame;
+    double epsilon, horizon_deg;
+    bool occlusion, depth;
+    ncr_texel_format format;
+    int exponent;
+    uint32_t cube, points, patches, pages, page_width, page_height;
+    uint64_t clamped;
+    ncr_field_entry *files; /* [3 + pages] */
+} ncr_field_manifest;
+
+/* "points.ply", "charts.bin", "radiance.exr", "maps-0.png" ... */
+void ncr_field_file_name(uint32_t k, char name[32]);
+
+ncr_status ncr_field_manifest_write(const ncr_ctx *ctx, const char *path,
+                                    const ncr_field_manifest *manifest, size_t omitted_count,
+                                    const ncr_field_omission *omitted);
+/* Everything in it is in range; files[] is released by dispose. */
+ncr_status ncr_field_manifest_read(const ncr_ctx *ctx, const char *path, ncr_field_manifest *out);
+void ncr_field_manifest_dispose(const ncr_ctx *ctx, ncr_field_manifest *manifest);
+
+/* Size and CRC-32 (as gzip and PNG) of a file. */
+ncr_status ncr_field_entry_of(const ncr_ctx *ctx, const char *path, ncr_field_entry *out);
+
+/* ---- points.ply, charts.bin, maps-P.png ---- */
+
+ncr_status ncr_field_points_write(const ncr_ctx *ctx, const char *path, const ncr_points *points);
+/* `count` points on `patches` patches, or it is a format error. */
+ncr_status ncr_field_points_read(const ncr_ctx *ctx, const char *path, uint32_t count,
+                                 uint32_t patches, ncr_points *out);
+
+ncr_status ncr_field_map_write(const ncr_ctx *ctx, const char *folder, const ncr_sample_map *map);
+ncr_status ncr_field_map_read(const ncr_ctx *ctx, const char *folder,
+                              const ncr_field_manifest *manifest, ncr_sample_map *out);
+
+/* ---- radiance.exr ---- */
+
+/* Where each texel's bytes lie: every chunk has the same size, and they follow one another. */
+typedef struct ncr_radiance_layout {
+    uint32_t n, points;
+    bool half, depth;
+    uint32_t tile_width, tile_height; /* tile_width divides n, tile_height too */
+    uint32_t columns, rows;           /* tiles across and down the image */
+    size_t line_bytes;                /* one line of a tile: B, G, R, Z rows of it */
+    size_t chunk_bytes;               /* with the 20 bytes before the pixels */
+    uint64_t table_at, chunks_at, file_bytes;
+} ncr_radiance_layout;
+
+typedef struct ncr_radiance_file {
+    const ncr_ctx *ctx;
+    const char *path; /* borrowed */
+    int fd;
+    int exponent;
+    ncr_radiance_layout layout;
+    _Atomic uint64_t clamped;
+    _Atomic uint32_t *arrived; /* [points] texels that came */
+} ncr_radiance_file;
+
+/* NCR_E_LIMIT when the image is too large for a tiled OpenEXR file. */
+ncr_status ncr_radiance_layout_make(const ncr_ctx *ctx, const ncr_field_manifest *manifest,
+                                    ncr_radiance_layout *out);
+
+ncr_status ncr_radiance_create(const ncr_ctx *ctx, const char *path,
+                               const ncr_field_manifest *manifest, ncr_radiance_file *out);
+/* The sink's function; `user` is the ncr_radiance_file. */
+ncr_status ncr_radiance_write(void *user, const ncr_tile *tile);
+/* Every texel came: sync. The file stays open until close. */
+ncr_status ncr_radiance_finish(ncr_radiance_file *file);
+void ncr_radiance_close(ncr_radiance_file *file);
+
+/* Read all tiles into a new, sealed light field. */
+ncr_status ncr_radiance_read(const ncr_ctx *ctx, const char *path,
+                             const ncr_field_manifest *manifest, ncr_lightfield **out);
+
+#endif

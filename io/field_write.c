@@ -1,0 +1,333 @@
+/* SPDX-License-Identifier: MIT */
+#define _GNU_SOURCE /* renameat2 */
+#include "io/atomic_file_internal.h"
+#include "io/field_internal.h"
+
+#include <dirent.h>
+#include <errno.h>
+#include <fcntl.h>
+#include <math.h>
+#include <string.h>
+#include <sys/file.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+struct ncr_field_writer {
+    ncr_field_path path, partial, radiance_path;
+    int folder; /* of `partial`, locked while we write */
+    ncr_field_manifest manifest;
+    ncr_radiance_file radiance;
+    size_t omitted_count;
+    ncr_field_omission *omitted; /* [omitted_count], texts behind them in the same block */
+};
+
+/* ---- Folders ---- */
+
+static bool is_page_name(const char *name)
+{
+    unsigned page = 0;
+    int used = 0;
+    return sscanf(name, "maps-%4u.png%n", &page, &used) == 1 && used && !name[used];
+}
+
+/* Also what an interrupted atomic write left of one. */
+static bool is_field_file(const char *name)
+{
+    static const char *const known[] = {"field.json", "points.ply", "charts.bin", "radiance.exr"};
+    const char *end = strrchr(name, '.');
+    const bool temporary = end && !strcmp(end, ".tmp");
+    for (int k = 0; k < 4; k++) {
+        const size_t length = strlen(known[k]);
+        if (!strcmp(name, known[k]) || (temporary && !strncmp(name, known[k], length)))
+            return true;
+    }
+    return is_page_name(name) || (temporary && !strncmp(name, "maps-", 5));
+}
+
+/* A folder is ours to replace only if all that lies in it belongs to a field. */
+static ncr_status check_replaceable(const ncr_ctx *ctx, const char *path)
+{
+    struct stat info;
+    if (lstat(path, &info) != 0)
+        return errno == ENOENT
+                   ? NCR_OK
+                   : ncr_fail(ctx, NCR_E_IO, "%s: cannot be reached: %s", path, strerror(errno));
+    DIR *folder = S_ISDIR(info.st_mode) ? opendir(path) : NULL;
+    if (!folder)
+        return ncr_fail(ctx, NCR_E_IO, "%s: is there and is no folder that can be read", path);
+    ncr_status status = NCR_OK;
+    for (struct dirent *e; (e = readdir(folder)) && status == NCR_OK;) {
+        if (strcmp(e->d_name, ".") && strcmp(e->d_name, "..") && !is_field_file(e->d_name))
+            status =
+                ncr_fail(ctx, NCR_E_IO,
+                         "%s: is not replaced: it holds \"%.80s\", which is no part of a field",
+                         path, e->d_name);
+    }
+    closedir(folder);
+    return status;
+}
+
+static void remove_files(const char *path)
+{
+    DIR *folder = opendir(path);
+    if (!folder)
+        return;
+    for (struct dirent *e; (e = readdir(folder));) {
+        if (is_field_file(e->d_name))
+            unlinkat(dirfd(folder), e->d_name, 0);
+    }
+    closedir(folder);
+}
+
+static void remove_field(const char *path)
+{
+    remove_files(path);
+    rmdir(path);
+}
+
+/* The lock goes with the process: what a crashed one left is taken over, a running one's is not. */
+static ncr_status open_partial(const ncr_ctx *ctx, ncr_field_writer *w)
+{
+    const char *path = w->partial.text;
+    ncr_status status = check_replaceable(ctx, path);
+    if (status != NCR_OK)
+        return status;
+    if (mkdir(path, 0777) != 0 && errno != EEXIST)
+        return ncr_fail(ctx, NCR_E_IO, "%s: cannot be made: %s", path, strerror(errno));
+    w->folder = open(path, O_RDONLY | O_DIRECTORY | O_CLOEXEC);
+    if (w->folder < 0 || flock(w->folder, LOCK_EX | LOCK_NB) != 0) {
+        if (w->folder >= 0)
+            close(w->folder);
+        w->folder = -1;
+        return ncr_fail(ctx, NCR_E_IO, "%s: cannot be locked, another process writes it", path);
+    }
+    remove_files(path);
+    return NCR_OK;
+}
+
+static ncr_status set_paths(const ncr_ctx *ctx, const char *path, ncr_field_writer *w)
+{
+    size_t length = strlen(path);
+    while (length > 1 && path[length - 1] == '/')
+        length--;
+    if (length == 0 || length > sizeof w->path.text - 64)
+        return ncr_fail(ctx, NCR_E_ARG, "a field's path has %zu bytes", length);
+    memcpy(w->path.text, path, length);
+    memcpy(w->partial.text, path, length);
+    memcpy(w->partial.text + length, ".partial", 9);
+    w->radiance_path = ncr_field_join(w->partial.text, "radiance.exr");
+    return check_replaceable(ctx, w->path.text);
+}
+
+/* ---- What field.json will say ---- */
+
+static ncr_status check_info(const ncr_ctx *ctx, const ncr_field_info *info, const ncr_baked *baked)
+{
+    if (baked->points.count < 1 || baked->points.count > NCR_POINTS_MAX)
+        return ncr_fail(ctx, NCR_E_ARG, "a field of %zu points", baked->points.count);
+    if (info->cube < 1 || info->cube > 4096 || info->exponent < -64 || info->exponent > 64)
+        return ncr_fail(ctx, NCR_E_ARG, "a field of cubes of %u texels, radiance scaled by 2^%d",
+                        info->cube, info->exponent);
+    if (!(info->epsilon >= 0 && isfinite(info->epsilon)) ||
+        !(info->horizon_deg >= 0 && info->horizon_deg <= 90))
+        return ncr_fail(ctx, NCR_E_ARG, "a field with epsilon %g and horizon %g degrees",
+                        info->epsilon, info->horizon_deg);
+    if (info->object && strlen(info->object) > 255)
+        return ncr_fail(ctx, NCR_E_ARG, "an object's name has %zu bytes, at most 255 are kept",
+                        strlen(info->object));
+    if (info->scene_hash && strlen(info->scene_hash) > 16)
+        return ncr_fail(ctx, NCR_E_ARG, "a scene's hash has %zu digits, not 16",
+                        strlen(info->scene_hash));
+    if (baked->map.page_count > NCR_FIELD_PAGES_MAX ||
+        baked->map.patch_count > NCR_FIELD_PATCHES_MAX)
+        return ncr_fail(ctx, NCR_E_LIMIT, "a field of %u pages and %u patches",
+                        baked->map.page_count, baked->map.patch_count);
+    return NCR_OK;
+}
+
+static ncr_status make_manifest(const ncr_ctx *ctx, const ncr_field_info *info,
+                                const ncr_baked *baked, ncr_field_manifest *out)
+{
+    *out = (ncr_field_manifest){.frame = info->frame,
+                                .epsilon = info->epsilon,
+                                .horizon_deg = info->horizon_deg,
+                                .occlusion = info->occlusion,
+                                .depth = info->depth,
+                                .format = info->format,
+                                .exponent = info->exponent,
+                                .cube = info->cube,
+                                .points = (uint32_t)baked->points.count,
+                                .patches = baked->map.patch_count,
+                                .pages = baked->map.page_count,
+                                .page_width = baked->map.page_width,
+                                .page_height = baked->map.page_height};
+    if (info->object)
+        strcpy(out->object, info->object);
+    if (info->scene_hash)
+        strcpy(out->scene_hash, info->scene_hash);
+    out->files = ncr_alloc_zero(ctx, 3 + (size_t)out->pages, sizeof *out->files);
+    return out->files ? NCR_OK : NCR_E_NOMEM;
+}
+
+static ncr_status copy_omissions(const ncr_ctx *ctx, const ncr_field_info *info,
+                                 ncr_field_writer *w)
+{
+    size_t size = info->omitted_count * sizeof *info->omitted;
+    for (size_t k = 0; k < info->omitted_count; k++)
+        size += strlen(info->omitted[k].part) + strlen(info->omitted[k].reason) + 2;
+    w->omitted = ncr_alloc(ctx, size);
+    if (!w->omitted)
+        return NCR_E_NOMEM;
+    char *text = (char *)(w->omitted + info->omitted_count);
+    for (size_t k = 0; k < info->omitted_count; k++) {
+        ncr_field_omission *o = &w->omitted[k];
+        *o = info->omitted[k];
+        o->part = strcpy(text, o->part);
+        text += strlen(text) + 1;
+        o->reason = strcpy(text, o->reason);
+        text += strlen(text) + 1;
+    }
+    w->omitted_count = info->omitted_count;
+    return NCR_OK;
+}
+
+/* ---- A writer's life ---- */
+
+static void release(const ncr_ctx *ctx, ncr_field_writer *w)
+{
+    ncr_radiance_close(&w->radiance);
+    if (w->folder >= 0)
+        close(w->folder);
+    ncr_field_manifest_dispose(ctx, &w->manifest);
+    ncr_free(ctx, w->omitted);
+    ncr_free(ctx, w);
+}
+
+void ncr_field_writer_abandon(const ncr_ctx *ctx, ncr_field_writer *writer)
+{
+    if (!writer)
+        return;
+    if (writer->folder >= 0)
+        remove_field(writer->partial.text);
+    release(ctx, writer);
+}
+
+static ncr_status begin(const ncr_ctx *ctx, const char *path, const ncr_field_info *info,
+                        const ncr_baked *baked, ncr_field_writer *w)
+{
+    ncr_status status = check_info(ctx, info, baked);
+    if (status == NCR_OK)
+        status = set_paths(ctx, path, w);
+    if (status == NCR_OK)
+        status = make_manifest(ctx, info, baked, &w->manifest);
+    if (status == NCR_OK)
+        status = copy_omissions(ctx, info, w);
+    if (status == NCR_OK)
+        status = open_partial(ctx, w);
+    if (status == NCR_OK)
+        status = ncr_field_points_write(ctx, ncr_field_join(w->partial.text, "points.ply").text,
+                                        &baked->points);
+    if (status == NCR_OK)
+        status = ncr_field_map_write(ctx, w->partial.text, &baked->map);
+    if (status == NCR_OK)
+        status = ncr_radiance_create(ctx, w->radiance_path.text, &w->manifest, &w->radiance);
+    return status;
+}
+
+ncr_status ncr_field_writer_create(const ncr_ctx *ctx, const char *path, const ncr_field_info *info,
+                                   const ncr_baked *baked, ncr_field_writer **out,
+                                   ncr_tile_sink *sink)
+{
+    *out = NULL;
+    ncr_field_writer *w = ncr_alloc_zero(ctx, 1, sizeof *w);
+    if (!w)
+        return NCR_E_NOMEM;
+    w->folder = w->radiance.fd = -1;
+    w->radiance.ctx = ctx;
+    const ncr_status status = begin(ctx, path, info, baked, w);
+    if (status != NCR_OK) {
+        ncr_field_writer_abandon(ctx, w);
+        return status;
+    }
+    *out = w;
+    *sink = (ncr_tile_sink){.user = &w->radiance, .write = ncr_radiance_write};
+    return NCR_OK;
+}
+
+/* ---- Completion ---- */
+
+static ncr_status sum_files(const ncr_ctx *ctx, ncr_field_writer *w)
+{
+    for (uint32_t k = 0; k < 3 + w->manifest.pages; k++) {
+        char name[32];
+        ncr_field_file_name(k, name);
+        const ncr_field_path p = ncr_field_join(w->partial.text, name);
+        const ncr_status status = ncr_field_entry_of(ctx, p.text, &w->manifest.files[k]);
+        if (status != NCR_OK)
+            return status;
+    }
+    return NCR_OK;
+}
+
+static ncr_status sync_parent(const ncr_ctx *ctx, const char *path)
+{
+    ncr_field_path parent;
+    strcpy(parent.text, path);
+    char *slash = strrchr(parent.text, '/');
+    if (!slash)
+        return ncr_folder_sync(ctx, ".");
+    slash[slash == parent.text] = 0;
+    return ncr_folder_sync(ctx, parent.text);
+}
+
+/* The moment of exchange: one system call, so that at every instant a whole field is there. */
+static ncr_status put_in_place(const ncr_ctx *ctx, const ncr_field_writer *w)
+{
+    const char *from = w->partial.text, *to = w->path.text;
+    struct stat info;
+    const bool replaces = lstat(to, &info) == 0;
+    const unsigned flags = replaces ? RENAME_EXCHANGE : RENAME_NOREPLACE;
+    if (renameat2(AT_FDCWD, from, AT_FDCWD, to, flags) != 0)
+        return ncr_fail(ctx, NCR_E_IO, "%s: cannot be put in place: %s", to, strerror(errno));
+    if (replaces)
+        remove_field(from); /* it is the earlier field now */
+    return sync_parent(ctx, to);
+}
+
+static ncr_status complete(const ncr_ctx *ctx, ncr_field_writer *w, uint64_t *bytes)
+{
+    const ncr_field_path json = ncr_field_join(w->partial.text, "field.json");
+    ncr_field_entry entry = {0};
+    ncr_status status = ncr_radiance_finish(&w->radiance);
+    if (status == NCR_OK)
+        status = sum_files(ctx, w);
+    w->manifest.clamped = atomic_load(&w->radiance.clamped);
+    if (status == NCR_OK)
+        status =
+            ncr_field_manifest_write(ctx, json.text, &w->manifest, w->omitted_count, w->omitted);
+    if (status == NCR_OK)
+        status = ncr_field_entry_of(ctx, json.text, &entry);
+    if (status == NCR_OK)
+        status = ncr_folder_sync(ctx, w->partial.text);
+    if (status == NCR_OK)
+        status = check_replaceable(ctx, w->path.text);
+    if (status == NCR_OK)
+        status = put_in_place(ctx, w);
+    *bytes = entry.bytes;
+    for (uint32_t k = 0; k < 3 + w->manifest.pages; k++)
+        *bytes += w->manifest.files[k].bytes;
+    return status;
+}
+
+ncr_status ncr_field_writer_finish(const ncr_ctx *ctx, ncr_field_writer *writer, uint64_t *bytes)
+{
+    uint64_t total = 0;
+    const ncr_status status = complete(ctx, writer, &total);
+    if (bytes)
+        *bytes = status == NCR_OK ? total : 0;
+    if (status == NCR_OK)
+        release(ctx, writer);
+    else
+        ncr_field_writer_abandon(ctx, writer);
+    return status;
+}
