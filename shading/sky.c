@@ -47,15 +47,11 @@ static void concentric(const float square[2], double *radius, double *angle)
     }
 }
 
-/* Radius R of the disc goes to polar angle t with sin(t/2) = R sin(r/2): equal areas of the disc
- * are equal solid angles of the sun. */
-static ncr_vec3 sun_sample(const double sun[3], double radius, uint32_t k)
+/* The place (R, angle) of the unit disc on the sun. R goes to polar angle t with sin(t/2) = R
+ * sin(r/2): equal areas of the disc are equal solid angles of the sun. */
+static ncr_vec3 on_sun(const double sun[3], double radius, double r, double angle)
 {
-    float square[2];
-    double r, angle;
     ncr_vec3 s, t;
-    ncr_sobol2(k, 0x5d15cu, square);
-    concentric(square, &r, &angle);
     const double half = r * sin(radius / 2.0);
     const double sin_t = 2.0 * half * sqrt(1.0 - half * half), cos_t = 1.0 - 2.0 * half * half;
     v_basis(d_to_v(sun), &s, &t);
@@ -123,8 +119,13 @@ static void prepare(const ncr_sky *sky, sky_ready *out)
 void ncr_sky_prepare(const ncr_sky *sky, sky_ready *out)
 {
     prepare(sky, out);
+    double sun[3];
+    if (!sun_of(sky, sun))
+        return;
     for (uint32_t k = 0; k < SUN_SAMPLES; k++)
         out->sample[k] = ncr_sky_sun_sample(sky, k, SUN_SAMPLES);
+    for (int k = 0; k < SUN_PROBES; k++)
+        out->probe[k] = on_sun(sun, radius_of(sky), 0.95, (2 * k + 1) * pi / SUN_PROBES);
 }
 
 ncr_vec3 ncr_sky_radiance(const ncr_sky *sky, ncr_vec3 d)
@@ -186,9 +187,12 @@ float ncr_sky_sun_coverage(const ncr_sky *sky, ncr_vec3 d, double omega)
 
 ncr_vec3 ncr_sky_sun_sample(const ncr_sky *sky, uint32_t k, uint32_t count)
 {
-    double sun[3];
+    double sun[3], r, angle;
+    float square[2];
     (void)count; /* the points are a sequence: its first 2^m are a net for every m */
     if (!sun_of(sky, sun))
         return v_make(0, 0, 0);
-    return sun_sample(sun, radius_of(sky), k);
+    ncr_sobol2(k, 0x5d15cu, square);
+    concentric(square, &r, &angle);
+    return on_sun(sun, radius_of(sky), r, angle);
 }

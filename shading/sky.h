@@ -36,8 +36,8 @@ NCR_API bool ncr_sky_sun_hit(const ncr_sky *sky, ncr_vec3 d);
  *  the overlap of two discs in the tangent plane; exact in the limit of small angles. */
 NCR_API float ncr_sky_sun_coverage(const ncr_sky *sky, ncr_vec3 d, double omega);
 
-/** Direction k of `count` stratified over the disc (concentric map of a (0,m,2)-sequence, so that
- *  the first 4 of 16 are stratified too). Unit; zero without a sun. */
+/** Direction k of `count` stratified over the disc (concentric map of a (0,m,2)-sequence). Unit; zero
+ *  without a sun. */
 NCR_API ncr_vec3 ncr_sky_sun_sample(const ncr_sky *sky, uint32_t k, uint32_t count);
 
 NCR_END

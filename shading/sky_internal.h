@@ -20,7 +20,8 @@ typedef struct sky_ready {
     ncr_vec3 irradiance, radiance; /* of the sun: on a facing plane; of the disc */
     float sin_radius;              /* of the disc's angular radius */
     float chord2;                  /* squared distance on the unit sphere, centre to rim */
-    ncr_vec3 sample[SUN_SAMPLES];  /* the first SUN_PROBES are stratified by themselves */
+    ncr_vec3 probe[SUN_PROBES];    /* near the rim, a quarter turn apart */
+    ncr_vec3 sample[SUN_SAMPLES];  /* stratified over the disc */
 } sky_ready;
 
 void ncr_sky_prepare(const ncr_sky *sky, sky_ready *out);

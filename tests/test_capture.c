@@ -84,7 +84,7 @@ static void shining_room_is_captured_texel_by_texel(void **state)
     test_world w = {0};
     fill_room(&w);
     const ncr_tracer tracer = world_tracer(&w);
-    const double unit = world_unit(&w), at[3] = {0.3, -0.2, 0.45};
+    const double unit = world_unit(&w), at[3] = {0.31, -0.23, 0.47};
     const ncr_vec3 p = {(float)(unit * at[0]), (float)(unit * at[1]), (float)(unit * at[2])};
     keep k = new_keep(1, 70); /* a whole tile and a remainder */
     const ncr_tile_sink sink = {&k, keep_tile};

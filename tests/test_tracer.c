@@ -58,7 +58,7 @@ static void sunlit_plane_has_its_lambert_radiance(void **state)
 }
 
 /* The sun over an edge: where the edge's shadow falls, the disc is seen up to a chord. A cut that
- * none of the four probes notices takes at most a ninth of the disc. */
+ * none of the probes notices takes at most a ninth of the disc. */
 static void penumbra_follows_the_area_of_the_cut_disc(void **state)
 {
     (void)state;
