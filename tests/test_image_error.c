@@ -279,6 +279,10 @@ static void a_seam_is_a_jump_and_a_shared_edge_is_not(void **state)
                 ncr_image_at(&b, x, y)[c] = 0.75f;
             }
     assert_true(compare(&a, &b, NULL).max_jump == 0); /* both have the edge */
+    ncr_image flat = constant_image(16, 16, 0.25f);
+    assert_true(compare(&a, &flat, NULL).max_jump == 0); /* a lost edge is no seam */
+    CHECK_NEAR(compare(&flat, &a, NULL).max_jump, 0.5, 1e-15);
+    ncr_image_dispose(NULL, &flat);
     for (uint32_t x = 0; x < 16; x++)
         for (uint32_t y = 4; y < 16; y++)
             for (int c = 0; c < 3; c++)

@@ -1,16 +1,14 @@
 /* SPDX-License-Identifier: MIT */
 #include "check.h"
+#include "well_formed.h"
 
-#include "apps/picture.h"
 #include "apps/report_html_internal.h"
 #include "apps/report_labels.h"
 #include "apps/report_page.h"
 #include "apps/report_plot.h"
 #include "apps/report_thesis.h"
 
-#include <ctype.h>
 #include <jansson.h>
-#include <png.h>
 #include <stdlib.h>
 #include <string.h>
 #include <unistd.h>
@@ -67,119 +65,6 @@ static report_table make_table(void)
         CHECK_STATUS(NCR_OK, report_table_add(&table, &row));
     }
     return table;
-}
-
-/* ---- a small reader of well-formed XML, enough for what the page uses ----------------------- */
-
-typedef struct xml {
-    const char *at;
-    int depth, images, elements, plots;
-    char open[64][24];
-    char wrong[120];
-} xml;
-
-static bool complain(xml *x, const char *what)
-{
-    snprintf(x->wrong, sizeof x->wrong, "%s at \"%.60s\"", what, x->at);
-    return false;
-}
-
-static size_t read_name(const char *at, char *name, size_t size)
-{
-    size_t n = 0;
-    while ((isalnum((unsigned char)at[n]) || at[n] == '-') && n + 1 < size) {
-        name[n] = at[n];
-        n++;
-    }
-    name[n] = 0;
-    return n;
-}
-
-static bool read_entity(xml *x)
-{
-    static const char *const known[] = {"&amp;", "&lt;", "&gt;", "&quot;", "&#39;"};
-    for (int k = 0; k < 5; k++)
-        if (!strncmp(x->at, known[k], strlen(known[k]))) {
-            x->at += strlen(known[k]);
-            return true;
-        }
-    return complain(x, "bare ampersand");
-}
-
-static bool read_attributes(xml *x)
-{
-    char name[40];
-    while (isspace((unsigned char)*x->at)) {
-        x->at += strspn(x->at, " \n\t");
-        if (*x->at == '/' || *x->at == '>')
-            break;
-        if (!read_name(x->at, name, sizeof name))
-            return complain(x, "attribute without a name");
-        x->at += strlen(name);
-        if (strncmp(x->at, "=\"", 2))
-            return complain(x, "attribute without a quoted value");
-        for (x->at += 2; *x->at && *x->at != '"';) {
-            if (*x->at == '<')
-                return complain(x, "< in an attribute");
-            if (*x->at == '&' && !read_entity(x))
-                return false;
-            x->at += *x->at != '"' && *x->at != '&';
-        }
-        if (*x->at++ != '"')
-            return complain(x, "attribute without an end");
-    }
-    return true;
-}
-
-static bool read_tag(xml *x)
-{
-    const bool closing = x->at[1] == '/';
-    char name[24];
-    x->at += closing ? 2 : 1;
-    if (!read_name(x->at, name, sizeof name))
-        return complain(x, "tag without a name");
-    x->at += strlen(name);
-    if (closing) {
-        if (x->depth == 0 || strcmp(x->open[x->depth - 1], name))
-            return complain(x, "closes what is not open");
-        x->depth--;
-        return *x->at++ == '>' || complain(x, "closing tag without an end");
-    }
-    x->elements++;
-    x->images += !strcmp(name, "img");
-    x->plots += !strcmp(name, "svg") && !strncmp(x->at, " class=\"plot", 12);
-    if (!read_attributes(x))
-        return false;
-    if (!strncmp(x->at, "/>", 2)) {
-        x->at += 2;
-        return true;
-    }
-    if (*x->at++ != '>' || x->depth == 64)
-        return complain(x, "tag without an end");
-    snprintf(x->open[x->depth++], 24, "%s", name);
-    return true;
-}
-
-static xml read_page(const char *page)
-{
-    static const char doctype[] = "<!DOCTYPE html>\n";
-    xml x = {.at = page};
-    if (strncmp(page, doctype, strlen(doctype))) {
-        complain(&x, "no doctype");
-        return x;
-    }
-    x.at += strlen(doctype);
-    while (*x.at && !*x.wrong) {
-        if (*x.at == '<')
-            read_tag(&x);
-        else if (*x.at == '&')
-            read_entity(&x);
-        else
-            x.at++;
-    }
-    if (!*x.wrong && x.depth)
-        complain(&x, "open at the end");
-    return x;
 }
 
 static size_t occurrences(const char *in, const char *what)
@@ -486,100 +371,6 @@ static void labels_do_not_overlap(void **state)
     }
 }
 
-/* ---- text and pictures -------------------------------------------------------------------- */
-
-static void base64_has_its_published_values(void **state)
-{
-    (void)state;
-    static const char *const pairs[][2] = {{"", ""},
-                                           {"f", "Zg=="},
-                                           {"fo", "Zm8="},
-                                           {"foo", "Zm9v"},
-                                           {"foob", "Zm9vYg=="},
-                                           {"fooba", "Zm9vYmE="},
-                                           {"foobar", "Zm9vYmFy"}};
-    for (int k = 0; k < 7; k++) { /* RFC 4648, section 10 */
-        text t = {0};
-        text_put(&t, "");
-        text_base64(&t, pairs[k][0], strlen(pairs[k][0]));
-        assert_string_equal(t.data, pairs[k][1]);
-        text_dispose(&t);
-    }
-    text t = {0};
-    text_base64(&t, "\xff\xfe\x00\x80", 4);
-    assert_string_equal(t.data, "//4AgA==");
-    text_dispose(&t);
-}
-
-static void escaping_lets_only_text_through(void **state)
-{
-    (void)state;
-    text t = {0};
-    text_escaped(&t, "\xc0\xaf \xed\xa0\x80 \xf4\x90\x80\x80 \xe2\x82 \xf0\x9f\xab\x96");
-    const char *bad = "\xef\xbf\xbd";
-    char want[80];
-    snprintf(want, sizeof want, "%s%s %s%s%s %s%s%s%s %s%s \xf0\x9f\xab\x96", bad, bad, bad, bad,
-             bad, bad, bad, bad, bad, bad, bad);
-    assert_string_equal(t.data, want);
-    text_dispose(&t);
-}
-
-static void a_png_decodes_to_its_pixels(void **state)
-{
-    (void)state;
-    enum { width = 37, height = 11 };
-    uint8_t rgb[width * height * 3], back[sizeof rgb], *png;
-    size_t size;
-    check_random r = {.seed = 8};
-    for (size_t k = 0; k < sizeof rgb; k++)
-        rgb[k] = (uint8_t)check_uniform(&r, 0, 256);
-    CHECK_STATUS(NCR_OK, picture_encode_png(NULL, width, height, rgb, &png, &size));
-    png_image image = {.version = PNG_IMAGE_VERSION};
-    assert_true(png_image_begin_read_from_memory(&image, png, size));
-    assert_int_equal(image.width, width);
-    assert_int_equal(image.height, height);
-    image.format = PNG_FORMAT_RGB;
-    assert_true(png_image_finish_read(&image, NULL, back, 0, NULL));
-    assert_memory_equal(rgb, back, sizeof rgb);
-    ncr_free(NULL, png);
-}
-
-static void the_ramp_gets_lighter_all_the_way(void **state)
-{
-    (void)state;
-    double before = -1;
-    for (int k = 0; k <= 100; k++) {
-        uint8_t rgb[3];
-        double linear[3], lab[3];
-        picture_ramp(k / 100.0, rgb);
-        for (int c = 0; c < 3; c++)
-            linear[c] = pow(rgb[c] / 255.0, 2.2);
-        ncr_lab_from_rgb(linear, lab);
-        CHECK(lab[0] > before, "at %d: L* %g after %g", k, lab[0], before);
-        before = lab[0];
-    }
-}
-
-static void differences_and_masks_are_drawn_as_said(void **state)
-{
-    (void)state;
-    ncr_image a = make_image(8, 2, 0), b = make_image(8, 2, 0);
-    uint8_t out[8 * 2 * 3], mask[16], end[3], start[3];
-    memset(mask, 1, sizeof mask);
-    mask[15] = 0;
-    b.data[0] = b.data[1] = b.data[2] = 2; /* clipped to 1: more than the scale */
-    b.data[3 * 3] = NAN;
-    picture_difference(&a, &b, mask, 1, 0.05, out);
-    picture_ramp(1, end);
-    picture_ramp(0, start);
-    assert_memory_equal(out, end, 3);
-    assert_memory_equal(out + 3, start, 3);
-    assert_memory_equal(out + 9, ((const uint8_t[]){255, 0, 255}), 3);
-    assert_true(out[45] == out[46] && out[46] == out[47]); /* grey outside */
-    ncr_image_dispose(NULL, &a);
-    ncr_image_dispose(NULL, &b);
-}
-
 /* ---- memory and files --------------------------------------------------------------------- */
 
 typedef struct miser {
@@ -678,11 +469,6 @@ int main(int argc, char **argv)
         cmocka_unit_test(the_thesis_s_rows_tell_their_story),
         cmocka_unit_test(the_front_is_what_nothing_beats),
         cmocka_unit_test(labels_do_not_overlap),
-        cmocka_unit_test(base64_has_its_published_values),
-        cmocka_unit_test(escaping_lets_only_text_through),
-        cmocka_unit_test(a_png_decodes_to_its_pixels),
-        cmocka_unit_test(the_ramp_gets_lighter_all_the_way),
-        cmocka_unit_test(differences_and_masks_are_drawn_as_said),
         cmocka_unit_test(memory_that_runs_out_is_an_answer_and_nothing_leaks),
         cmocka_unit_test_prestate(a_page_reaches_a_file, argc > 1 ? argv[1] : NULL),
     };
