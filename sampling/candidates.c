@@ -1,20 +1,14 @@
 /* SPDX-License-Identifier: MIT
  * candidates.c - bounds that spare a tile nearly all points, and never one that it needs.
  *
- * With x in a sphere (centre m, radius r), a.x in [low, high] and n within the cone of axis a:
- *
- *     |p - m| - r           <= |p - x|   <= |p - m| + r = far
- *     (a.p - high) cos - sin far <= n.(p - x) <= max(a.p - low, 0) + sin far
- *
- * (the left side of the second line where a.p >= high). A point is surely above every horizon
- * when the lower bound passes with the far distance. The fourth smallest far distance of such
- * points is one that every texel reaches; what lies wholly beyond it is of no use to any. */
+ * The fourth smallest far distance of points that are surely above every horizon is one that every
+ * texel reaches; what lies wholly beyond it is of no use to any. */
 #include "sampling/candidates_internal.h"
 
-#include "core/vec_internal.h"
+#include "sampling/tile_kernel_internal.h"
 
-/* Normals are unit to 1e-7 only: relative room in comparisons of sines and lengths. */
-static const double slack = 1e-6;
+#include <float.h>
+#include <math.h>
 
 enum { most_needed = 8 };
 
@@ -27,11 +21,13 @@ ncr_horizon ncr_horizon_of(double degrees)
 bool ncr_candidates_init(const ncr_ctx *ctx, size_t capacity, ncr_candidates *out)
 {
     const size_t room = (capacity + 7) & ~(size_t)7; /* keeps each array on a 64-byte line */
-    double *block = ncr_alloc(ctx, room * (3 * sizeof(double) + sizeof(uint32_t)));
+    double *block = ncr_alloc(ctx, room * (5 * sizeof(double) + sizeof(uint32_t)));
     if (!block)
         return false;
     *out = (ncr_candidates){.x = block, .y = block + room, .z = block + 2 * room};
-    out->index = (uint32_t *)(void *)(block + 3 * room);
+    out->near = block + 3 * room;
+    out->far = block + 4 * room;
+    out->index = (uint32_t *)(void *)(block + 5 * room);
     return true;
 }
 
@@ -39,31 +35,6 @@ void ncr_candidates_dispose(const ncr_ctx *ctx, ncr_candidates *candidates)
 {
     ncr_free(ctx, candidates->x);
     *candidates = (ncr_candidates){0};
-}
-
-/* Where one point stands to all texels of a bound. */
-typedef struct standing {
-    double near, far;
-    bool sure, possible;
-} standing;
-
-static standing stand(const ncr_tile_bound *b, ncr_horizon horizon, double x, double y, double z)
-{
-    const double p[3] = {x, y, z};
-    double from[3];
-    d_sub(p, b->centre, from);
-    const double distance = d_length(from);
-    standing s = {.near = fmax(0, distance - b->radius), .far = distance + b->radius};
-    if (!(b->cos_cone > 0)) {
-        s.possible = true;
-        return s;
-    }
-    const double at = d_dot(b->axis, p), tilt = b->sin_cone * s.far;
-    const double lower = (at - b->high) * b->cos_cone - tilt;
-    const double upper = fmax(at - b->low, 0) + tilt;
-    s.sure = at > b->high && lower > (horizon.cos + slack) * s.far;
-    s.possible = at - b->low > -tilt / b->cos_cone && upper * (1 + slack) > horizon.cos * s.near;
-    return s;
 }
 
 /* The `need` smallest numbers seen, rising. */
@@ -77,34 +48,33 @@ static void keep_smallest(double *smallest, unsigned need, double value)
     smallest[k] = value;
 }
 
-static double reach_of(const ncr_candidates *in, const ncr_tile_bound *bound, ncr_horizon horizon,
-                       unsigned need)
+/* Never infinite: what no texel can see stays out. */
+static double reach_of(size_t count, const double *far, unsigned need)
 {
     double smallest[most_needed];
     if (need == 0)
-        return INFINITY;
+        return DBL_MAX;
     for (unsigned k = 0; k < need; k++)
-        smallest[k] = INFINITY;
-    for (size_t k = 0; k < in->count; k++) {
-        const standing s = stand(bound, horizon, in->x[k], in->y[k], in->z[k]);
-        if (s.sure)
-            keep_smallest(smallest, need, s.far);
-    }
-    return smallest[need - 1] * (1 + slack);
+        smallest[k] = DBL_MAX;
+    for (size_t k = 0; k < count; k++)
+        keep_smallest(smallest, need, far[k]);
+    return fmin(smallest[need - 1] * (1 + 1e-6), DBL_MAX);
 }
 
 void ncr_candidates_select(const ncr_candidates *in, const ncr_tile_bound *bound,
                            ncr_horizon horizon, unsigned need, ncr_candidates *out)
 {
-    const double reach = reach_of(in, bound, horizon, need);
     size_t count = 0;
+    ncr_tile_kernel_best()->stand(in, bound, horizon, out->near, out->far);
+    const double reach = reach_of(in->count, out->far, need);
     for (size_t k = 0; k < in->count; k++) {
-        const standing s = stand(bound, horizon, in->x[k], in->y[k], in->z[k]);
+        if (!(out->near[k] <= reach))
+            continue;
         out->index[count] = in->index[k];
         out->x[count] = in->x[k];
         out->y[count] = in->y[k];
         out->z[count] = in->z[k];
-        count += s.possible && s.near <= reach;
+        count++;
     }
     out->count = count;
 }

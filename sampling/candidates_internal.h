@@ -11,6 +11,7 @@ typedef struct ncr_candidates {
     size_t count;
     uint32_t *index;
     double *x, *y, *z;
+    double *near, *far; /* room for a selection from these points */
 } ncr_candidates;
 
 /* The horizon as the tests use it: cos and cos^2, 0 at 90 degrees. */
@@ -25,7 +26,8 @@ bool ncr_candidates_init(const ncr_ctx *ctx, size_t capacity, ncr_candidates *ou
 void ncr_candidates_dispose(const ncr_ctx *ctx, ncr_candidates *candidates);
 
 /* Keep of `in` every point that can be among the `need` nearest above the horizon of any texel
- * within the bound; need 0 keeps every point that any of them can see. `out` holds in->count. */
+ * within the bound; need 0 keeps every point that any of them can see. `out` has room for
+ * in->count. */
 void ncr_candidates_select(const ncr_candidates *in, const ncr_tile_bound *bound,
                            ncr_horizon horizon, unsigned need, ncr_candidates *out);
 

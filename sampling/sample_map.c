@@ -25,7 +25,7 @@ typedef struct map_job {
     bool rays; /* settle tiles by tracing */
     ncr_sample_map *map;
     uint32_t resolution, side, blocks; /* texels per block side, blocks per chart side */
-    ncr_nearest_fn *nearest;
+    const ncr_tile_kernel *kernel;
     worker_scratch *scratch; /* [workers] */
     ncr_tile_tally *tally;   /* [patches][blocks^2] */
 } map_job;
@@ -41,7 +41,7 @@ static size_t eval_block(const map_job *job, uint32_t patch, uint32_t i0, uint32
     for (uint32_t j = 0; j < job->side; j += side)
         for (uint32_t i = 0; i < job->side; i += side) {
             ncr_texel_tile_eval(&net, job->resolution, i0 + i, j0 + j, side, &s->tiles[count]);
-            s->bounds[count] = ncr_texel_tile_bound(&s->tiles[count]);
+            job->kernel->bound(&s->tiles[count], &s->bounds[count]);
             count++;
         }
     return count;
@@ -77,7 +77,7 @@ static void map_block(const map_job *job, size_t block, worker_scratch *s)
         const uint32_t j = j0 + (uint32_t)t / per_row * tile->side;
         uint64_t four[NCR_TILE_TEXELS];
         ncr_candidates_select(&s->of_block, &s->bounds[t], job->sight.horizon, 4, &s->of_tile);
-        job->nearest(tile, &s->of_tile, job->sight.horizon.cos2, four);
+        job->kernel->nearest(tile, &s->of_tile, job->sight.horizon.cos2, four);
         tally->stats.candidates += s->of_tile.count * tile->side * tile->side;
         if (job->rays)
             ncr_sight_settle(&job->sight, tile, &s->bounds[t], four, &s->sight, tally);
@@ -231,7 +231,7 @@ ncr_status ncr_sample_map_build(const ncr_ctx *ctx, const ncr_scene *scene, uint
                    .resolution = resolution,
                    .side = side,
                    .blocks = resolution / side,
-                   .nearest = ncr_nearest_best()};
+                   .kernel = ncr_tile_kernel_best()};
     status = load_points(ctx, scene, points, job.rays, &all, &inside);
     job.sight =
         (ncr_sight){.scene = scene,

@@ -3,8 +3,8 @@
 #ifndef NCR_SAMPLING_SAMPLE_MAP_INTERNAL_H
 #define NCR_SAMPLING_SAMPLE_MAP_INTERNAL_H
 
-#include "sampling/nearest_internal.h"
 #include "sampling/sample_map.h"
+#include "sampling/tile_kernel_internal.h"
 #include "sampling/visibility_internal.h"
 
 /* The same for every tile of a map. */

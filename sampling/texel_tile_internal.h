@@ -9,7 +9,7 @@ enum { NCR_TILE_SIDE = 16, NCR_TILE_TEXELS = NCR_TILE_SIDE * NCR_TILE_SIDE };
 
 /* Coordinates are floats, rounded once from a double evaluation in one fixed order of operations,
  * so every processor makes the same ones. Texel k is at column k % side, row k / side; past
- * side^2 the arrays hold zeros: texels without a normal. */
+ * side^2, up to a multiple of NCR_TILE_SIDE, the first one is repeated. */
 typedef struct ncr_texel_tile {
     uint32_t side;
     float x[3][NCR_TILE_TEXELS]; /* frame units */
@@ -19,8 +19,8 @@ typedef struct ncr_texel_tile {
 /* What holds for every texel of a tile, rounding included. */
 typedef struct ncr_tile_bound {
     double centre[3], radius;  /* sphere round the positions */
-    double axis[3];            /* unit; the mean normal */
-    double cos_cone, sin_cone; /* normals lie within this angle of the axis; cos <= 0: anywhere */
+    double axis[3];            /* unit to 1e-7; the mean normal */
+    double cos_cone, sin_cone; /* normals lie within this angle of the axis; 0, 1: anywhere */
     double low, high;          /* axis . x lies between these */
 } ncr_tile_bound;
 
@@ -41,8 +41,6 @@ void ncr_patch_net_init(ncr_patch_net *net, const ncr_surface *surface, uint32_t
  * two up to NCR_TILE_SIDE. */
 void ncr_texel_tile_eval(const ncr_patch_net *net, uint32_t resolution, uint32_t i0, uint32_t j0,
                          uint32_t side, ncr_texel_tile *out);
-
-ncr_tile_bound ncr_texel_tile_bound(const ncr_texel_tile *tile);
 
 /* One bound that holds for all of `count`. */
 ncr_tile_bound ncr_tile_bound_join(size_t count, const ncr_tile_bound *bounds);
