@@ -6,20 +6,20 @@
  * cent of all. */
 #include "sampling/sample_map_internal.h"
 
-#include "core/vec_internal.h"
-
+#include <math.h>
 #include <string.h>
 
-enum { stored = 4, per_round = NCR_SEGMENT_ROOM / NCR_TILE_TEXELS };
+enum { stored = 4, queue_room = 16 };
+_Static_assert(stored *NCR_TILE_TEXELS <= NCR_SEGMENT_ROOM, "a round of segments fits");
 
 /* A texel on its way to four free points. */
 typedef struct walker {
-    double last_d2; /* the farthest point tried, and its index: the next one comes after */
+    double last_d2; /* the farthest point queued, and its index: the next one comes after */
     uint32_t last;
-    unsigned found;
-    bool open; /* there may be more to try */
+    unsigned found, queued, tried; /* free points; points in the queue, and of these taken out */
+    bool open;                     /* there may be more to queue */
     bool outside, blocked, buried;
-    uint16_t index[stored];
+    uint16_t index[stored], queue[queue_room];
 } walker;
 
 static uint16_t index_of(uint64_t four, unsigned k)
@@ -95,34 +95,33 @@ static double distance2(const ncr_sight *sight, const ncr_texel_tile *tile, uint
     return d2;
 }
 
-/* Points after the last one tried, in rising (distance, index), at most per_round. */
-static unsigned next_points(const ncr_sight *sight, const ncr_texel_tile *tile, uint32_t k,
-                            const ncr_candidates *seen, walker *w, uint16_t next[per_round])
+/* Queue the points after the last one, in rising (distance, index). */
+static void refill(const ncr_sight *sight, const ncr_texel_tile *tile, uint32_t k,
+                   const ncr_candidates *seen, walker *w)
 {
-    double best[per_round];
+    double best[queue_room];
     unsigned count = 0;
+    ncr_tile_kernel_best()->distances(tile, k, seen, sight->horizon.cos2, seen->near);
     for (size_t c = 0; c < seen->count; c++) {
-        double d2;
-        if (!ncr_texel_sees(tile, k, seen->x[c], seen->y[c], seen->z[c], sight->horizon.cos2, &d2))
+        const double d2 = seen->near[c];
+        if (!(d2 < (count == queue_room ? best[queue_room - 1] : INFINITY)) || d2 < w->last_d2 ||
+            (d2 == w->last_d2 && seen->index[c] <= w->last))
             continue;
-        if (d2 < w->last_d2 || (d2 == w->last_d2 && seen->index[c] <= w->last))
-            continue;
-        if (count == per_round && !(d2 < best[per_round - 1]))
-            continue;
-        unsigned at = count < per_round ? count++ : per_round - 1;
+        unsigned at = count < queue_room ? count++ : queue_room - 1;
         for (; at > 0 && d2 < best[at - 1]; at--) {
             best[at] = best[at - 1];
-            next[at] = next[at - 1];
+            w->queue[at] = w->queue[at - 1];
         }
         best[at] = d2;
-        next[at] = (uint16_t)seen->index[c];
+        w->queue[at] = (uint16_t)seen->index[c];
     }
-    w->open = count == per_round;
+    w->tried = 0;
+    w->queued = count;
+    w->open = count == queue_room;
     if (count > 0) {
         w->last_d2 = best[count - 1];
-        w->last = next[count - 1];
+        w->last = w->queue[count - 1];
     }
-    return count;
 }
 
 /* Give the walkers the free points among the traced segments, in the order they were added. */
@@ -135,23 +134,33 @@ static void collect_free(const ncr_sight_scratch *scratch, walker *walkers)
     }
 }
 
-/* In rounds, each texel tries its next nearest until it has four free points or none is left. */
+/* One segment for each of the `slot`-th points that texels still lack. */
+static void add_wanted(const ncr_sight *sight, const ncr_texel_tile *tile, unsigned slot,
+                       walker *walkers, ncr_sight_scratch *scratch, ncr_tile_tally *tally)
+{
+    for (uint32_t k = 0; k < tile->side * tile->side; k++) {
+        walker *w = &walkers[k];
+        if (w->found + slot >= stored)
+            continue;
+        if (w->tried == w->queued && w->open) {
+            refill(sight, tile, k, &scratch->seen, w);
+            tally->stats.candidates += scratch->seen.count;
+        }
+        if (w->tried < w->queued)
+            add_segment(sight, tile, k, w->queue[w->tried++], scratch);
+    }
+}
+
+/* In rounds, each texel tries as many more points as it lacks, until none lacks any or none is
+ * left to try. */
 static void walk_on(const ncr_sight *sight, const ncr_texel_tile *tile, const ncr_tile_bound *bound,
                     walker *walkers, ncr_sight_scratch *scratch, ncr_tile_tally *tally)
 {
-    const uint32_t texels = tile->side * tile->side;
     ncr_candidates_select(sight->points, bound, sight->horizon, 0, &scratch->seen);
     do {
         scratch->segments.count = 0;
-        for (uint32_t k = 0; k < texels; k++) {
-            uint16_t next[per_round];
-            if (!walkers[k].open || walkers[k].found == stored)
-                continue;
-            const unsigned count = next_points(sight, tile, k, &scratch->seen, &walkers[k], next);
-            for (unsigned c = 0; c < count; c++)
-                add_segment(sight, tile, k, next[c], scratch);
-            tally->stats.candidates += scratch->seen.count;
-        }
+        for (unsigned slot = 0; slot < stored; slot++)
+            add_wanted(sight, tile, slot, walkers, scratch, tally);
         ncr_segments_trace(sight->scene, &scratch->segments);
         tally->stats.rays += scratch->segments.count;
         collect_free(scratch, walkers);

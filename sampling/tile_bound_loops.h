@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT
- * tile_bound_loops.h - what bounds a tile, and how points stand to it: plain loops that each
- * instruction set compiles for itself. Sums and extremes run in sixteen columns, so that their
+ * tile_bound_loops.h - what bounds a tile, and how points stand to it and to one texel: plain loops
+ * that each instruction set compiles for itself. Sums and extremes run in sixteen columns, so that their
  * order is the same however many go side by side. */
 #include "sampling/tile_kernel_internal.h"
 
@@ -149,5 +149,16 @@ static void stand_points(const ncr_candidates *points, const ncr_tile_bound *b, 
         const double upper = below > 0 ? below + tilt : below * cone + tilt;
         far[k] = lower > sure_cos * most ? most : INFINITY;
         near[k] = upper > 0 && upper * (1 + 1e-6) > cos * least ? least : INFINITY;
+    }
+}
+
+static void texel_distances(const ncr_texel_tile *tile, uint32_t k,
+                            const ncr_candidates *candidates, double cos2, double *d2)
+{
+    const double *px = candidates->x, *py = candidates->y, *pz = candidates->z;
+    for (size_t c = 0; c < candidates->count; c++) {
+        double distance2;
+        const bool sees = ncr_texel_sees(tile, k, px[c], py[c], pz[c], cos2, &distance2);
+        d2[c] = sees ? distance2 : INFINITY;
     }
 }

@@ -78,4 +78,9 @@ static void nearest_tile(const ncr_texel_tile *tile, const ncr_candidates *candi
 }
 
 const ncr_tile_kernel ncr_tile_kernel_avx512 = {
-    .eval = eval_tile, .bound = bound_tile, .stand = stand_points, .nearest = nearest_tile};
+    .eval = eval_tile,
+    .bound = bound_tile,
+    .stand = stand_points,
+    .nearest = nearest_tile,
+    .distances = texel_distances,
+};

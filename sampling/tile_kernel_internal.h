@@ -26,6 +26,10 @@ typedef struct ncr_tile_kernel {
      * NCR_TILE_TEXELS. */
     void (*nearest)(const ncr_texel_tile *tile, const ncr_candidates *candidates, double cos2,
                     uint64_t *four);
+
+    /* d2[c] = squared distance of texel k to each candidate, infinite below its horizon. */
+    void (*distances)(const ncr_texel_tile *tile, uint32_t k, const ncr_candidates *candidates,
+                      double cos2, double *d2);
 } ncr_tile_kernel;
 
 extern const ncr_tile_kernel ncr_tile_kernel_generic, ncr_tile_kernel_avx2, ncr_tile_kernel_avx512;

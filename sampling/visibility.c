@@ -18,8 +18,8 @@ void ncr_segments_add(ncr_segments *s, double lift, const double p[3], const dou
 {
     double to[3];
     d_sub(x, p, to);
-    const double height = fmin(lift, 0.5 * d_length(to)); /* never past a point that is close */
-    d_mad(to, height, n, to);
+    const double half = 0.5 * d_length(to); /* never past a point that is close */
+    d_mad(to, lift < half ? lift : half, n, to);
     for (int c = 0; c < 3; c++) {
         s->o[c][s->count] = (float)p[c];
         s->d[c][s->count] = (float)to[c];
