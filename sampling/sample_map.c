@@ -140,29 +140,42 @@ static void combine(const map_job *job, ncr_coverage *coverage, ncr_sample_map_s
         *stats = sum;
 }
 
-/* The points as the search wants them, with a flag for those inside a solid when rays are traced.
- * Both outputs belong to the caller, also on failure. */
+/* The points as the search wants them. *all belongs to the caller, also on failure. */
 static ncr_status load_points(const ncr_ctx *ctx, const ncr_scene *scene, const ncr_points *points,
-                              bool rays, ncr_candidates *all, uint8_t **inside)
+                              ncr_candidates *all)
 {
     ncr_vec3 *frame = ncr_alloc(ctx, points->count * sizeof *frame);
-    *inside = ncr_alloc_zero(ctx, points->count, 1);
-    if (!frame || !*inside || !ncr_candidates_init(ctx, points->count, all)) {
+    if (!frame || !ncr_candidates_init(ctx, points->count, all)) {
         ncr_free(ctx, frame);
         return NCR_E_NOMEM;
     }
     ncr_points_to_frame(points, ncr_scene_frame(scene), frame);
     all->count = points->count;
     for (size_t k = 0; k < points->count; k++) {
-        const double p[3] = {frame[k].x, frame[k].y, frame[k].z};
         all->index[k] = (uint32_t)k;
-        all->x[k] = p[0];
-        all->y[k] = p[1];
-        all->z[k] = p[2];
-        (*inside)[k] = rays && ncr_scene_inside(scene, p) != NCR_NONE;
+        all->x[k] = frame[k].x;
+        all->y[k] = frame[k].y;
+        all->z[k] = frame[k].z;
     }
     ncr_free(ctx, frame);
     return NCR_OK;
+}
+
+typedef struct inside_job {
+    const ncr_scene *scene;
+    const ncr_candidates *points;
+    uint8_t *inside;
+} inside_job;
+
+static void flag_inside(size_t begin, size_t end, unsigned worker, void *arg)
+{
+    const inside_job *job = arg;
+    const ncr_candidates *at = job->points;
+    (void)worker;
+    for (size_t k = begin; k < end; k++) {
+        const double p[3] = {at->x[k], at->y[k], at->z[k]};
+        job->inside[k] = ncr_scene_inside(job->scene, p) != NCR_NONE;
+    }
 }
 
 static ncr_status run(const ncr_ctx *ctx, map_job *job, ncr_coverage *coverage,
@@ -171,19 +184,26 @@ static ncr_status run(const ncr_ctx *ctx, map_job *job, ncr_coverage *coverage,
     ncr_sample_map *map = job->map;
     const size_t blocks = (size_t)map->patch_count * job->blocks * job->blocks;
     const size_t texels = (size_t)map->page_count * map->page_width * map->page_height;
+    const size_t points = job->sight.points->count;
+    uint8_t *inside = ncr_alloc_zero(ctx, points, 1);
     ncr_status status = NCR_E_NOMEM;
 
-    job->scratch = make_scratch(ctx, job->sight.points->count, job->rays);
+    job->sight.inside = inside;
+    job->scratch = make_scratch(ctx, points, job->rays);
     job->tally = ncr_alloc_zero(ctx, blocks, sizeof *job->tally);
     map->index = ncr_alloc(ctx, texels * 4 * sizeof *map->index);
-    if (job->scratch && job->tally && map->index) {
+    if (inside && job->scratch && job->tally && map->index) {
+        inside_job flags = {job->sight.scene, job->sight.points, inside};
         memset(map->index, 0xff, texels * 4 * sizeof *map->index);
-        status = ncr_parallel_for(ctx, blocks, 1, map_blocks, job);
+        status = job->rays ? ncr_parallel_for(ctx, points, 16, flag_inside, &flags) : NCR_OK;
+        if (status == NCR_OK)
+            status = ncr_parallel_for(ctx, blocks, 1, map_blocks, job);
     }
     if (status == NCR_OK)
         combine(job, coverage, stats);
     free_scratch(ctx, job->scratch);
     ncr_free(ctx, job->tally);
+    ncr_free(ctx, inside);
     return status;
 }
 
@@ -224,7 +244,6 @@ ncr_status ncr_sample_map_build(const ncr_ctx *ctx, const ncr_scene *scene, uint
         return status;
 
     ncr_candidates all = {0};
-    uint8_t *inside = NULL;
     map_job job = {.surface = surface,
                    .rays = coverage || opts->occlusion,
                    .map = &map,
@@ -232,18 +251,16 @@ ncr_status ncr_sample_map_build(const ncr_ctx *ctx, const ncr_scene *scene, uint
                    .side = side,
                    .blocks = resolution / side,
                    .kernel = ncr_tile_kernel_best()};
-    status = load_points(ctx, scene, points, job.rays, &all, &inside);
+    status = load_points(ctx, scene, points, &all);
     job.sight =
         (ncr_sight){.scene = scene,
                     .points = &all,
-                    .inside = inside,
                     .horizon = ncr_horizon_of(opts->horizon_deg > 0 ? opts->horizon_deg : 85),
                     .lift = ncr_visibility_lift(scene, object),
                     .require_free = opts->occlusion};
     if (status == NCR_OK)
         status = run(ctx, &job, coverage, stats);
     ncr_candidates_dispose(ctx, &all);
-    ncr_free(ctx, inside);
     if (status == NCR_OK)
         *out = map;
     else

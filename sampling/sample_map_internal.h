@@ -31,6 +31,18 @@ typedef struct ncr_tile_tally {
     ncr_sample_map_stats stats;
 } ncr_tile_tally;
 
+/* Where a texel is. */
+enum {
+    NCR_AIR_UNKNOWN,
+    NCR_AIR_OPEN,   /* outside all solids */
+    NCR_AIR_BURIED, /* in a solid */
+    NCR_AIR_NONE,   /* it has no normal, and so no side to ask about */
+};
+
+/* Resolve every NCR_AIR_UNKNOWN in air[texels]. Overwrites the scratch's segments. */
+void ncr_buried_find(const ncr_sight *sight, const ncr_texel_tile *tile, uint8_t *air,
+                     ncr_sight_scratch *scratch, ncr_tile_tally *tally);
+
 /* Trace the segments of the stored points, find buried texels, and in occlusion mode replace
  * blocked points by the next nearest free ones. `four` is read and, in that mode, rewritten. */
 void ncr_sight_settle(const ncr_sight *sight, const ncr_texel_tile *tile,

@@ -2,8 +2,7 @@
  * sight.c - which stored points a texel really sees, and better ones where it does not.
  *
  * A texel is buried when its centre lies in a solid. A free segment to a point outside all solids
- * proves that it is not; only texels without one need the exact test, which keeps it to a few per
- * cent of all. */
+ * proves that it is not; only texels without one need to be asked, a few per cent of all. */
 #include "sampling/sample_map_internal.h"
 
 #include <math.h>
@@ -18,7 +17,8 @@ typedef struct walker {
     uint32_t last;
     unsigned found, queued, tried; /* free points; points in the queue, and of these taken out */
     bool open;                     /* there may be more to queue */
-    bool outside, blocked, buried;
+    bool blocked;
+    uint8_t air; /* NCR_AIR_* */
     uint16_t index[stored], queue[queue_room];
 } walker;
 
@@ -76,14 +76,6 @@ static void trace_stored(const ncr_sight *sight, const ncr_texel_tile *tile, con
             if (index_of(four[k], slot) != NCR_NO_POINT)
                 add_segment(sight, tile, k, index_of(four[k], slot), scratch);
     ncr_segments_trace(sight->scene, &scratch->segments);
-}
-
-static bool in_solid(const ncr_sight *sight, const ncr_texel_tile *tile, uint32_t k)
-{
-    double x[3], n[3], above[3];
-    texel_at(tile, k, x, n);
-    ncr_visibility_lifted(x, n, sight->lift, above);
-    return ncr_scene_inside(sight->scene, above) != NCR_NONE;
 }
 
 static double distance2(const ncr_sight *sight, const ncr_texel_tile *tile, uint32_t k,
@@ -167,19 +159,27 @@ static void walk_on(const ncr_sight *sight, const ncr_texel_tile *tile, const nc
     } while (scratch->segments.count > 0);
 }
 
-/* What the stored segments say of each texel. */
-static void judge(const ncr_sight *sight, const ncr_texel_tile *tile,
-                  const ncr_sight_scratch *scratch, walker *walkers)
+/* Which texels lost a stored point, and which are in the open air. */
+static void judge(const ncr_sight *sight, const ncr_texel_tile *tile, ncr_sight_scratch *scratch,
+                  walker *walkers, ncr_tile_tally *tally)
 {
+    const uint32_t texels = tile->side * tile->side;
+    uint8_t air[NCR_TILE_TEXELS];
+    bool unknown = false;
+    for (uint32_t k = 0; k < texels; k++)
+        air[k] = has_normal(tile, k) ? NCR_AIR_UNKNOWN : NCR_AIR_NONE;
     for (size_t s = 0; s < scratch->segments.count; s++) {
-        walker *w = &walkers[scratch->texel[s]];
         if (scratch->segments.blocked[s])
-            w->blocked = true;
+            walkers[scratch->texel[s]].blocked = true;
         else if (!sight->inside[scratch->point[s]])
-            w->outside = true;
+            air[scratch->texel[s]] = NCR_AIR_OPEN;
     }
-    for (uint32_t k = 0; k < tile->side * tile->side; k++)
-        walkers[k].buried = has_normal(tile, k) && !walkers[k].outside && in_solid(sight, tile, k);
+    for (uint32_t k = 0; k < texels; k++)
+        unknown |= air[k] == NCR_AIR_UNKNOWN;
+    if (unknown)
+        ncr_buried_find(sight, tile, air, scratch, tally);
+    for (uint32_t k = 0; k < texels; k++)
+        walkers[k].air = air[k];
 }
 
 /* Let the texels that lost a point try on after their fourth; false when there are none. Those
@@ -189,12 +189,14 @@ static bool open_walkers(const ncr_sight *sight, const ncr_texel_tile *tile, con
 {
     bool any = false;
     for (uint32_t k = 0; k < tile->side * tile->side; k++) {
+        walker *w = &walkers[k];
         const uint16_t last = index_of(four[k], stored - 1);
-        if (!walkers[k].blocked || walkers[k].buried || last == NCR_NO_POINT)
+        w->open = w->blocked && w->air == NCR_AIR_OPEN && last != NCR_NO_POINT;
+        if (!w->open)
             continue;
-        walkers[k].last = last;
-        walkers[k].last_d2 = distance2(sight, tile, k, last);
-        walkers[k].open = any = true;
+        w->last = last;
+        w->last_d2 = distance2(sight, tile, k, last);
+        any = true;
     }
     return any;
 }
@@ -210,15 +212,15 @@ void ncr_sight_settle(const ncr_sight *sight, const ncr_texel_tile *tile,
     trace_stored(sight, tile, four, scratch);
     tally->stats.rays += scratch->segments.count;
     collect_free(scratch, walkers);
-    judge(sight, tile, scratch, walkers);
+    judge(sight, tile, scratch, walkers, tally);
     if (sight->require_free && open_walkers(sight, tile, four, walkers))
         walk_on(sight, tile, bound, walkers, scratch, tally);
 
     for (uint32_t k = 0; k < tile->side * tile->side; k++) {
-        if (!has_normal(tile, k))
+        if (walkers[k].air == NCR_AIR_NONE)
             continue;
         tally->coverage.texels++;
-        if (walkers[k].buried) {
+        if (walkers[k].air == NCR_AIR_BURIED) {
             tally->coverage.buried++;
             continue;
         }
