@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 #include "core/half.h"
 #include "io/atomic_file_internal.h"
+#include "io/exr_primaries_internal.h"
 #include "io/exr_stream_internal.h"
 #include "io/image_format_internal.h"
 
@@ -256,6 +257,30 @@ static ncr_status read_pixels(exr_image *e, const ncr_image *out)
     return status;
 }
 
+/* A file may say what its red, green, blue and white are; most that do say Rec. 709. */
+static ncr_status bring_to_rec709(exr_image *e, const ncr_image *out)
+{
+    exr_attr_chromaticities_t c;
+    if (e->channels < 3 || e->name[0][0] != 'R' ||
+        exr_attr_get_chromaticities(e->stream.exr, e->part, "chromaticities", &c) !=
+            EXR_ERR_SUCCESS)
+        return NCR_OK;
+    const ncr_primaries from = {.x = {c.red_x, c.green_x, c.blue_x, c.white_x},
+                                .y = {c.red_y, c.green_y, c.blue_y, c.white_y}};
+    double m[9];
+    if (ncr_primaries_are_rec709(&from))
+        return NCR_OK;
+    if (!ncr_primaries_to_rec709(&from, m))
+        return refuse(e, NCR_E_FORMAT, "its chromaticities span no colours");
+    float *p = out->data;
+    for (size_t k = 0; k < (size_t)out->width * out->height; k++, p += out->channels) {
+        const double rgb[3] = {p[0], p[1], p[2]};
+        for (int i = 0; i < 3; i++)
+            p[i] = (float)(m[3 * i] * rgb[0] + m[3 * i + 1] * rgb[1] + m[3 * i + 2] * rgb[2]);
+    }
+    return NCR_OK;
+}
+
 static ncr_status read_image(exr_image *e, ncr_image *out)
 {
     ncr_status status = find_flat_part(e);
@@ -267,6 +292,8 @@ static ncr_status read_image(exr_image *e, ncr_image *out)
         status = ncr_image_init(e->stream.ctx, e->width, e->height, e->channels, out);
     if (status == NCR_OK)
         status = read_pixels(e, out);
+    if (status == NCR_OK)
+        status = bring_to_rec709(e, out);
     return status;
 }
 

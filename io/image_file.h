@@ -37,7 +37,8 @@ NCR_API ncr_status ncr_image_write(const ncr_ctx *ctx, const char *path, const n
  * Read an image, format known by its first bytes, not its name.
  *
  * EXR: the first flat part's Y, YA, RGB, RGBA or C0.., half, float or whole numbers, scanline or
- * tiled (level 0), any compression the build can decode; the image is the data window. HDR: both
+ * tiled (level 0), any compression the build can decode; the image is the data window; other
+ * primaries than Rec. 709 are converted where the file names them, white to white. HDR: both
  * run-length forms and flat, all eight orientations; EXPOSURE and COLORCORR are divided out. PNG: 8
  * and 16 bits, gray or RGB, sRGB decoded to linear, alpha dropped; gAMA and iCCP are not followed.
  *

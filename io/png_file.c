@@ -12,6 +12,8 @@
 #include <string.h>
 #include <sys/stat.h>
 
+_Static_assert(__BYTE_ORDER__ == __ORDER_LITTLE_ENDIAN__, "16-bit samples are swapped");
+
 /* libpng leaves by longjmp. All that must outlive a jump is in this struct, so no local variable
  * is ever in doubt. */
 typedef struct png_job {
@@ -23,7 +25,7 @@ typedef struct png_job {
     ncr_status status; /* set by a body that fails on its own account */
     char complaint[160];
     uint32_t width, height, channels, depth;
-    png_bytep row; /* one row of file samples */
+    png_bytep row; /* one row of file samples, or the whole image when reading */
 
     const ncr_image *image; /* writing 8 bits */
     double exposure;
@@ -86,12 +88,6 @@ static void on_read(png_structp png, png_bytep data, size_t size)
 {
     if (fread(data, 1, size, png_get_io_ptr(png)) != size)
         png_error(png, "the file ends too early");
-}
-
-static ncr_status row_alloc(png_job *job, size_t samples)
-{
-    job->row = ncr_alloc(job->ctx, samples * 2);
-    return job->row ? NCR_OK : NCR_E_NOMEM;
 }
 
 /* ---- Writing ---- */
@@ -158,21 +154,17 @@ static void write_words(png_job *job)
     write_header(job);
     png_write_info(job->png, job->info);
     const size_t samples = (size_t)job->width * job->channels;
-    for (uint32_t y = 0; y < job->height; y++) {
-        const uint16_t *in = job->words + y * samples;
-        for (size_t k = 0; k < samples; k++) { /* files are big-endian */
-            job->row[2 * k] = (png_byte)(in[k] >> 8);
-            job->row[2 * k + 1] = (png_byte)(in[k] & 255);
-        }
-        png_write_row(job->png, job->row);
-    }
+    png_set_swap(job->png); /* files are big-endian */
+    for (uint32_t y = 0; y < job->height; y++)
+        png_write_row(job->png, (png_const_bytep)(job->words + y * samples));
     png_write_end(job->png, job->info);
 }
 
 static ncr_status write_file(png_job *job, void (*body)(png_job *job))
 {
-    ncr_status status = row_alloc(job, (size_t)job->width * job->channels);
     ncr_atomic_file file = {0};
+    job->row = ncr_alloc(job->ctx, (size_t)job->width * job->channels);
+    ncr_status status = job->row ? NCR_OK : NCR_E_NOMEM;
     if (status == NCR_OK)
         status = ncr_atomic_file_open(job->ctx, job->path, &file);
     if (status == NCR_OK) {
@@ -258,73 +250,67 @@ static void expand_to_gray_or_rgb(png_job *job)
     job->depth = png_get_bit_depth(job->png, job->info);
 }
 
-static void decode_row(const png_job *job, float *out)
+static void decode_row(const png_job *job, const uint8_t *in, float *out)
 {
     const size_t samples = (size_t)job->width * job->channels;
     for (size_t k = 0; k < samples; k++) {
-        const double x = job->depth == 8 ? job->row[k] / 255.0
-                                         : (job->row[2 * k] << 8 | job->row[2 * k + 1]) / 65535.0;
+        const double x =
+            job->depth == 8 ? in[k] / 255.0 : (in[2 * k] << 8 | in[2 * k + 1]) / 65535.0;
         out[k] = (float)srgb_decode(x);
     }
 }
 
-/* An interlaced file comes in passes over all rows: libpng merges them only in a whole image. */
-static ncr_status refuse_interlace(png_job *job)
+/* An interlaced file comes in seven passes over the rows, any other in one. */
+static void read_rows(png_job *job, png_bytep rows, int passes)
 {
-    if (png_get_interlace_type(job->png, job->info) == PNG_INTERLACE_NONE)
-        return NCR_OK;
-    return ncr_fail(job->ctx, NCR_E_BACKEND, "%s: interlaced PNG is not read", job->path);
+    const size_t bytes = png_get_rowbytes(job->png, job->info);
+    for (int pass = 0; pass < passes; pass++) {
+        for (uint32_t y = 0; y < job->height; y++)
+            png_read_row(job->png, rows + y * bytes, NULL);
+    }
+    png_read_end(job->png, NULL);
 }
 
 static void read_floats(png_job *job)
 {
     read_header(job);
-    if (job->status == NCR_OK)
-        job->status = refuse_interlace(job);
     if (job->status != NCR_OK)
         return;
+    const int passes = png_set_interlace_handling(job->png);
     expand_to_gray_or_rgb(job);
+    const size_t bytes = png_get_rowbytes(job->png, job->info);
     job->status = ncr_image_init(job->ctx, job->width, job->height, job->channels, job->out);
-    if (job->status == NCR_OK)
-        job->status = row_alloc(job, (size_t)job->width * job->channels);
+    if (job->status == NCR_OK && !(job->row = ncr_alloc(job->ctx, bytes * job->height)))
+        job->status = NCR_E_NOMEM;
     if (job->status != NCR_OK)
         return;
-    for (uint32_t y = 0; y < job->height; y++) {
-        png_read_row(job->png, job->row, NULL);
-        decode_row(job, ncr_image_at(job->out, 0, y));
-    }
-    png_read_end(job->png, NULL);
-}
-
-static ncr_status check_words(png_job *job)
-{
-    job->channels = png_get_channels(job->png, job->info);
-    job->depth = png_get_bit_depth(job->png, job->info);
-    if (job->depth != 16)
-        return ncr_fail(job->ctx, NCR_E_FORMAT, "%s: has %u bits per channel, expected 16",
-                        job->path, job->depth);
-    return refuse_interlace(job);
+    read_rows(job, job->row, passes);
+    for (uint32_t y = 0; y < job->height; y++)
+        decode_row(job, job->row + y * bytes, ncr_image_at(job->out, 0, y));
 }
 
 static void read_words(png_job *job)
 {
     read_header(job);
-    if (job->status == NCR_OK)
-        job->status = check_words(job);
     if (job->status != NCR_OK)
         return;
+    job->channels = png_get_channels(job->png, job->info);
+    job->depth = png_get_bit_depth(job->png, job->info);
+    if (job->depth != 16) {
+        job->status = ncr_fail(job->ctx, NCR_E_FORMAT, "%s: has %u bits per channel, expected 16",
+                               job->path, job->depth);
+        return;
+    }
     const size_t samples = (size_t)job->width * job->channels;
     *job->words_out = ncr_alloc(job->ctx, samples * job->height * sizeof(uint16_t));
-    job->status = *job->words_out ? row_alloc(job, samples) : NCR_E_NOMEM;
-    if (job->status != NCR_OK)
+    if (!*job->words_out) {
+        job->status = NCR_E_NOMEM;
         return;
-    for (uint32_t y = 0; y < job->height; y++) {
-        png_read_row(job->png, job->row, NULL);
-        for (size_t k = 0; k < samples; k++)
-            (*job->words_out)[y * samples + k] =
-                (uint16_t)(job->row[2 * k] << 8 | job->row[2 * k + 1]);
     }
-    png_read_end(job->png, NULL);
+    png_set_swap(job->png); /* files are big-endian */
+    const int passes = png_set_interlace_handling(job->png);
+    png_read_update_info(job->png, job->info);
+    read_rows(job, (png_bytep)*job->words_out, passes);
 }
 
 static ncr_status read_file(png_job *job, void (*body)(png_job *job))

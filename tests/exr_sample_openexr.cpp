@@ -6,6 +6,7 @@
 #include <ImfHeader.h>
 #include <ImfInputFile.h>
 #include <ImfOutputFile.h>
+#include <ImfStandardAttributes.h>
 #include <ImfTiledOutputFile.h>
 
 #include <cstdint>
@@ -69,6 +70,9 @@ void write(const char *path, const exr_sample &s)
         const char name[] = {*c, 0};
         header.channels().insert(name, Imf::Channel(static_cast<Imf::PixelType>(s.type)));
     }
+    if (const float *c = s.primaries)
+        Imf::addChromaticities(
+            header, Imf::Chromaticities({c[0], c[1]}, {c[2], c[3]}, {c[4], c[5]}, {c[6], c[7]}));
     planes p;
     fill(s, p);
     if (!s.tile) {

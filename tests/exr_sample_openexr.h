@@ -13,10 +13,11 @@ typedef struct exr_sample {
     int width, height, min_x, min_y;
     int compression; /* 0 none, 1 RLE, 2 ZIPS, 3 ZIP, 4 PIZ, 5 PXR24, 6 B44, 7 B44A, 8 DWAA, 9 DWAB */
     int type;
-    int tile;             /* side of a tile, 0: scanlines */
-    int mip, decreasing;  /* mip levels; line order */
-    const char *channels; /* one letter each, "RGB" */
-    const float *data;    /* [height][width][channels]; whole numbers for EXR_SAMPLE_UINT */
+    int tile;               /* side of a tile, 0: scanlines */
+    int mip, decreasing;    /* mip levels; line order */
+    const float *primaries; /* [8] x, y of red, green, blue, white; NULL: none said */
+    const char *channels;   /* one letter each, "RGB" */
+    const float *data;      /* [height][width][channels]; whole numbers for EXR_SAMPLE_UINT */
 } exr_sample;
 
 /* 0, or -1 when the library threw. */

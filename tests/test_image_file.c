@@ -4,6 +4,7 @@
 #include "files.h"
 #include "io/image_file.h"
 
+#include <png.h>
 #include <sys/stat.h>
 
 static const ncr_ctx *const ctx = &files_ctx;
@@ -216,6 +217,39 @@ static void channels_that_are_no_image_are_refused(void **state)
                            "\"U\""));
 }
 
+static void other_primaries_come_out_as_rec709(void **state)
+{
+    (void)state;
+    static const float ap0[] = {.7347f, .2653f, 0, 1, .0001f, -.077f, .32168f, .33767f};
+    static const float same[] = {.64f, .33f, .3f, .6f, .15f, .06f, .3127f, .329f};
+    static const float flat[] = {.3f, .3f, .3f, .3f, .3f, .3f, .3f, .3f};
+    static const float data[] = {1, 0, 0, 0, 1, 0, 0, 0, 1, 2, 2, 2};
+    /* ACES2065-1 to linear Rec. 709 with Bradford adaptation, as published with ACES; columns. */
+    static const double aces[] = {2.52168619, -.27647991, -.01537806, -1.13413099,
+                                  1.37271909, -.15297534, -.38755520, -.09623917,
+                                  1.16835340, 2,          2,          2};
+    exr_sample s = {.width = 4,
+                    .height = 1,
+                    .type = EXR_SAMPLE_FLOAT,
+                    .primaries = ap0,
+                    .channels = "RGB",
+                    .data = data};
+    const file_path p = file_at("ap0.exr");
+    ncr_image back;
+    assert_int_equal(exr_sample_write(p.text, &s), 0);
+    CHECK_STATUS(NCR_OK, ncr_image_read(ctx, p.text, &back, NULL));
+    for (int k = 0; k < 12; k++)
+        CHECK_NEAR(back.data[k], aces[k], 1e-4); /* both white points are rounded to 4-5 digits */
+    ncr_image_dispose(ctx, &back);
+    s.primaries = same;
+    assert_int_equal(exr_sample_write(p.text, &s), 0);
+    expect_sample(p.text, &s, 0);
+    s.primaries = flat;
+    assert_int_equal(exr_sample_write(p.text, &s), 0);
+    CHECK_STATUS(NCR_E_FORMAT, ncr_image_read(ctx, p.text, &back, NULL));
+    assert_non_null(strstr(files_report, "its chromaticities span no colours"));
+}
+
 /* ---- Radiance ---- */
 
 static void hdr_keeps_eight_bits_of_the_largest_component(void **state)
@@ -420,6 +454,48 @@ static void png_of_16_bits_keeps_every_bit(void **state)
             free(data);
         }
     }
+}
+
+/* Written by libpng itself: interlaced, 16 bits, and a palette. */
+static void write_interlaced(const char *path, uint32_t width, uint32_t height, uint16_t *words)
+{
+    FILE *f = fopen(path, "wb");
+    png_structp png = png_create_write_struct(PNG_LIBPNG_VER_STRING, NULL, NULL, NULL);
+    png_infop info = png_create_info_struct(png);
+    png_init_io(png, f);
+    png_set_IHDR(png, info, width, height, 16, PNG_COLOR_TYPE_RGB, PNG_INTERLACE_ADAM7, 0, 0);
+    png_write_info(png, info);
+    png_set_swap(png);
+    const int passes = png_set_interlace_handling(png);
+    for (int pass = 0; pass < passes; pass++)
+        for (uint32_t y = 0; y < height; y++)
+            png_write_row(png, (png_const_bytep)(words + 3 * (size_t)y * width));
+    png_write_end(png, info);
+    png_destroy_write_struct(&png, &info);
+    fclose(f);
+}
+
+static void interlaced_png_is_read(void **state)
+{
+    (void)state;
+    enum { width = 19, height = 13, count = 3 * width * height };
+    check_random r = {.seed = 19};
+    uint16_t words[count], *back;
+    for (int k = 0; k < count; k++)
+        words[k] = (uint16_t)check_uniform(&r, 0, 65536);
+    const file_path p = file_at("i.png");
+    write_interlaced(p.text, width, height, words);
+    uint32_t size[3];
+    CHECK_STATUS(NCR_OK, ncr_png16_read(ctx, p.text, &size[0], &size[1], &size[2], &back));
+    assert_memory_equal(words, back, sizeof words);
+    ncr_free(ctx, back);
+    ncr_image image;
+    CHECK_STATUS(NCR_OK, ncr_image_read(ctx, p.text, &image, NULL));
+    for (int k = 0; k < count; k++) {
+        const double s = words[k] / 65535.0;
+        CHECK_NEAR(image.data[k], s <= 0.04045 ? s / 12.92 : pow((s + 0.055) / 1.055, 2.4), 1e-6);
+    }
+    ncr_image_dispose(ctx, &image);
 }
 
 static void png_of_8_bits_is_no_raw_words(void **state)
@@ -680,6 +756,8 @@ int main(void)
         cmocka_unit_test(every_compression_is_read),
         cmocka_unit_test(every_pixel_type_and_channel_set_is_read),
         cmocka_unit_test(channels_that_are_no_image_are_refused),
+        cmocka_unit_test(other_primaries_come_out_as_rec709),
+        cmocka_unit_test(interlaced_png_is_read),
         cmocka_unit_test(hdr_keeps_eight_bits_of_the_largest_component),
         cmocka_unit_test(powers_of_two_are_exact_in_hdr_and_what_has_no_place_is_clipped),
         cmocka_unit_test(all_orientations_are_turned_upright),
