@@ -2,7 +2,7 @@
 #include "core/half.h"
 #include "io/atomic_file_internal.h"
 #include "io/exr_primaries_internal.h"
-#include "io/exr_stream_internal.h"
+#include "io/exr_stream_openexr_internal.h"
 #include "io/image_format_internal.h"
 
 #include <math.h>

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-#include "io/exr_stream_internal.h"
+#include "io/exr_stream_openexr_internal.h"
 
 #include <errno.h>
 #include <fcntl.h>

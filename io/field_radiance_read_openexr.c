@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 #include "core/half.h"
-#include "io/exr_stream_internal.h"
+#include "io/exr_stream_openexr_internal.h"
 #include "io/field_internal.h"
 
 #include <math.h>

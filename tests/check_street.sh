@@ -18,8 +18,8 @@ for folder in core geometry sampling shading io apps; do
     fi
 done
 
-# A library's own header appears in its adapter alone: <noun>_<library>.c or .cpp.
-for pair in embree3/:_embree. opensubdiv/:_opensubdiv. OpenMesh/:_openmesh. CGAL/:_cgal. openexr.h:_openexr. Imf:_openexr.; do
+# A library's own header appears in its adapter alone: <noun>_<library>.c, .cpp or _internal.h.
+for pair in embree3/:_embree. opensubdiv/:_opensubdiv. OpenMesh/:_openmesh. CGAL/:_cgal. openexr.h:_openexr Imf:_openexr; do
     if grep -rlE "#include <(OpenEXR/)?${pair%%:*}" core geometry sampling shading io apps | grep -vF "${pair##*:}"; then
         echo "^ <${pair%%:*}...> belongs to files named *${pair##*:}*" >&2
         failed=1

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT
- * exr_stream_internal.h - an OpenEXR context on a file descriptor, its complaints as ncr_fail
+ * exr_stream_openexr_internal.h - an OpenEXR context on a file descriptor, its complaints as ncr_fail
  * sentences. */
-#ifndef NCR_IO_EXR_STREAM_INTERNAL_H
-#define NCR_IO_EXR_STREAM_INTERNAL_H
+#ifndef NCR_IO_EXR_STREAM_OPENEXR_INTERNAL_H
+#define NCR_IO_EXR_STREAM_OPENEXR_INTERNAL_H
 
 #include "core/ctx.h"
 
