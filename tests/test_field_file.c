@@ -429,7 +429,9 @@ static void a_folder_of_other_things_is_not_replaced(void **state)
     assert_int_equal(mkdir(p.text, 0777), 0);
     file_put(inside.text, "dear", 4);
     file_put(file.text, "x", 1);
-    CHECK_STATUS(NCR_E_IO, write_field(&f, p.text, 1, false, NULL));
+    ncr_field_writer *writer;
+    ncr_tile_sink sink;
+    CHECK_STATUS(NCR_E_IO, ncr_field_writer_create(ctx, p.text, &f.info, &f.baked, &writer, &sink));
     assert_non_null(strstr(files_report, "it holds \"letter.txt\", which is no part of a field"));
     CHECK_STATUS(NCR_E_IO, write_field(&f, file.text, 1, false, NULL));
     CHECK_STATUS(NCR_E_IO, write_field(&f, file_at("none/x").text, 1, false, NULL));
@@ -604,6 +606,7 @@ static void every_fault_of_the_other_files_is_named(void **state)
         {"maps-0.png", 60, "\xff\xff\xff\xff", 4, "maps-0.png: "},
         {"radiance.exr", 0, "x", 1, "radiance.exr: "},
         {"radiance.exr", 4, "\2\0\0\0", 4, "radiance.exr: "},
+        {"radiance.exr", -4, "\0\0\xc0\x7f", 4, "point 4, face 5: a value is negative"},
         {"radiance.exr", -1, "\xff", 1, "point 4, face 5: a value is negative or not finite"},
         {"radiance.exr", -640, "\1\2\3\4\5\6\7\xff\xff", 9, "point 4, face 5: a value is negative"},
     };
