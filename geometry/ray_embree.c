@@ -246,7 +246,7 @@ size_t ncr_ray_tracer_closest(const ncr_ray_tracer *tracer, size_t count, const 
     struct RTCIntersectContext context;
     prepare(&context, rays);
     size_t unusable = 0;
-    block b;
+    block b = {0};
     const ncr_raw_hits raw = {.t = b.r.ray.tfar,
                               .b1 = b.r.hit.u,
                               .b2 = b.r.hit.v,
@@ -276,7 +276,7 @@ size_t ncr_ray_tracer_occluded(const ncr_ray_tracer *tracer, size_t count, const
     struct RTCIntersectContext context;
     prepare(&context, rays);
     size_t unusable = 0;
-    block b;
+    block b = {0};
     for (size_t at = 0; at < count; at += NCR_LANES) {
         const size_t lanes = count - at < NCR_LANES ? count - at : NCR_LANES;
         unusable += fill(&b, rays, at, lanes);

@@ -21,7 +21,8 @@ size_t ncr_ray_tracer_occluded(const ncr_ray_tracer *tracer, size_t count, const
                                uint8_t *blocked);
 
 /* Up to 16 hits as a tracer leaves them: weights of the second and third corner, and a normal
- * along (corner 1 - corner 0) x (corner 2 - corner 0) of any length. */
+ * along (corner 1 - corner 0) x (corner 2 - corner 0) of any length.
+ * Arrays of 16, also when fewer lanes are in use. */
 enum { NCR_LANES = 16 };
 typedef struct ncr_raw_hits {
     const float *t;

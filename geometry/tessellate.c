@@ -20,20 +20,18 @@
  * Border points come from the border's own four control points, by a formula that gives the same
  * bits from either end; so neighbours agree exactly, not nearly. */
 
-enum { v0, v1, u0, u1, sides }; /* the four borders, named after the constant parameter */
-
 /* Control points along each border, in the order of the running parameter. */
-static const int border_index[sides][4] = {
-    [v0] = {0, 1, 2, 3}, [v1] = {12, 13, 14, 15}, [u0] = {0, 4, 8, 12}, [u1] = {3, 7, 11, 15}};
+static const int border_index[NCR_SIDES][4] = {[NCR_V0] = {0, 1, 2, 3},
+                                               [NCR_V1] = {12, 13, 14, 15},
+                                               [NCR_U0] = {0, 4, 8, 12},
+                                               [NCR_U1] = {3, 7, 11, 15}};
 
 typedef struct plan {
-    double bend[3];       /* bounds on |Puu|, |Puv|, |Pvv| */
-    unsigned need[2];     /* quads along u and v that satisfy the chord bound */
-    unsigned rate[sides]; /* points in use along each border, minus one */
-    unsigned n[2];        /* quads along u and v */
-    bool point[sides];    /* the border is a single point */
-    bool flat;            /* no area: no triangles */
-    size_t first_vertex, first_triangle;
+    double bend[3];          /* bounds on |Puu|, |Puv|, |Pvv| */
+    uint8_t need[2];         /* log2 of quads along u and v that satisfy the chord bound */
+    uint8_t rate[NCR_SIDES]; /* log2 of points in use along each border, minus one */
+    bool point[NCR_SIDES];   /* the border is a single point */
+    bool flat;               /* no area: no triangles */
 } plan;
 
 typedef struct job {
@@ -73,25 +71,25 @@ static void bound_second_derivatives(const double (*c)[3], double bend[3])
 }
 
 /* Largest distance between the patch and its linear interpolant on any triangle that fits in a
- * rectangle of 1/nu x 1/nv in parameter space:
+ * rectangle of hu x hv in parameter space:
  *     (|Puu| hu^2 + 2 |Puv| hu hv + |Pvv| hv^2) / 8                                   [Filip86] */
-static double chord_bound(const double bend[3], const unsigned n[2])
+static double chord_bound(const double bend[3], const uint8_t log_n[2])
 {
-    const double hu = 1.0 / n[0], hv = 1.0 / n[1];
+    const double hu = ldexp(1, -log_n[0]), hv = ldexp(1, -log_n[1]);
     return (bend[0] * hu * hu + 2 * bend[1] * hu * hv + bend[2] * hv * hv) / 8;
 }
 
 /* Double whichever side's own term is larger until the bound is met. */
-static void choose_need(const double bend[3], double chord, unsigned need[2])
+static void choose_need(const double bend[3], double chord, uint8_t need[2])
 {
-    need[0] = need[1] = 1;
+    need[0] = need[1] = 0;
     while (chord_bound(bend, need) > chord) {
-        const double u_term = bend[0] / need[0] / need[0], v_term = bend[2] / need[1] / need[1];
+        const double u_term = ldexp(bend[0], -2 * need[0]), v_term = ldexp(bend[2], -2 * need[1]);
         const bool u_next = u_term > v_term || (u_term == v_term && need[0] <= need[1]);
-        const int side = need[u_next ? 0 : 1] < NCR_RATE_MAX ? !u_next : u_next;
-        if (need[side] == NCR_RATE_MAX)
+        const int side = need[u_next ? 0 : 1] < NCR_LOG_RATE_MAX ? !u_next : u_next;
+        if (need[side] == NCR_LOG_RATE_MAX)
             return;
-        need[side] *= 2;
+        need[side]++;
     }
 }
 
@@ -110,9 +108,10 @@ typedef struct border {
     uint32_t patch, side;
 } border;
 
-static unsigned side_need(const plan *pl, uint32_t side)
+/* Which of (u, v) runs along a border. */
+static int running(uint32_t side)
 {
-    return pl->need[side == u0 || side == u1];
+    return side == NCR_U0 || side == NCR_U1;
 }
 
 static int compare_points(const double (*a)[3], const double (*b)[3], int step)
@@ -158,9 +157,9 @@ static bool is_collapsed(const border *b)
 static void share_rates(plan *plans, const border *borders, size_t count)
 {
     for (size_t begin = 0, end; begin < count; begin = end) {
-        unsigned rate = 1;
+        uint8_t rate = 0;
         for (end = begin; end < count && !compare_borders(&borders[begin], &borders[end]); end++) {
-            const unsigned need = side_need(&plans[borders[end].patch], borders[end].side);
+            const uint8_t need = plans[borders[end].patch].need[running(borders[end].side)];
             rate = need > rate ? need : rate;
         }
         for (size_t k = begin; k < end; k++)
@@ -171,12 +170,12 @@ static void share_rates(plan *plans, const border *borders, size_t count)
 static ncr_status agree_on_borders(const ncr_ctx *ctx, const job *j)
 {
     const uint32_t patches = ncr_surface_patch_count(j->surface);
-    border *borders = ncr_alloc_zero(ctx, patches, sides * sizeof *borders);
+    border *borders = ncr_alloc_zero(ctx, patches, NCR_SIDES * sizeof *borders);
     if (!borders)
         return NCR_E_NOMEM;
     size_t count = 0;
     for (uint32_t p = 0; p < patches; p++)
-        for (uint32_t side = 0; side < sides && !j->plans[p].flat; side++) {
+        for (uint32_t side = 0; side < NCR_SIDES && !j->plans[p].flat; side++) {
             read_border(j->surface, p, side, &borders[count]);
             j->plans[p].point[side] = is_collapsed(&borders[count]);
             count += !j->plans[p].point[side];
@@ -187,36 +186,55 @@ static ncr_status agree_on_borders(const ncr_ctx *ctx, const job *j)
     return NCR_OK;
 }
 
-static unsigned largest(unsigned a, unsigned b, unsigned c)
+static uint8_t largest(uint8_t a, uint8_t b, uint8_t c)
 {
-    const unsigned ab = a > b ? a : b;
+    const uint8_t ab = a > b ? a : b;
     return ab > c ? ab : c;
 }
 
-/* Grid sizes, and where each patch's vertices and triangles go. Collapsed borders keep all
- * their vertices: each has the normal of its own parameter. */
-static void lay_out(const job *j)
+/* Collapsed borders keep all their vertices: each has the normal of its own parameter. */
+static ncr_mesh_grid make_grid(const plan *pl, bool turned)
 {
-    size_t vertices = 0, triangles = 0;
-    double worst = 0;
-    for (uint32_t p = 0; p < ncr_surface_patch_count(j->surface); p++) {
-        plan *pl = &j->plans[p];
-        pl->n[0] = largest(pl->need[0], pl->rate[v0], pl->rate[v1]);
-        pl->n[1] = largest(pl->need[1], pl->rate[u0], pl->rate[u1]);
-        for (int side = 0; side < sides; side++)
-            if (pl->point[side])
-                pl->rate[side] = pl->n[side == u0 || side == u1];
-        pl->first_vertex = vertices;
-        pl->first_triangle = triangles;
-        if (pl->flat)
-            continue;
-        worst = fmax(worst, chord_bound(pl->bend, pl->need));
-        vertices += (size_t)(pl->n[0] + 1) * (pl->n[1] + 1);
-        triangles += (size_t)2 * pl->n[0] * pl->n[1];
+    ncr_mesh_grid g = {.turned = turned};
+    g.log_n[0] = largest(pl->need[0], pl->rate[NCR_V0], pl->rate[NCR_V1]);
+    g.log_n[1] = largest(pl->need[1], pl->rate[NCR_U0], pl->rate[NCR_U1]);
+    g.step[0] = ldexpf(1, -g.log_n[0]);
+    g.step[1] = ldexpf(1, -g.log_n[1]);
+    for (uint32_t side = 0; side < NCR_SIDES; side++) {
+        g.log_step[side] = pl->point[side] ? 0 : (uint8_t)(g.log_n[running(side)] - pl->rate[side]);
+        g.snaps |= g.log_step[side] > 0;
     }
-    j->mesh->vertex_count = vertices;
-    j->mesh->triangle_count = triangles;
-    j->mesh->chord = (float)worst;
+    return g;
+}
+
+static size_t grid_vertices(const ncr_mesh_grid *g)
+{
+    return (((size_t)1 << g->log_n[0]) + 1) * (((size_t)1 << g->log_n[1]) + 1);
+}
+
+/* Grids, and where each patch's vertices and triangles go. */
+static ncr_status lay_out(const ncr_ctx *ctx, const job *j)
+{
+    ncr_mesh *m = j->mesh;
+    double worst = 0;
+    m->log_block = 31;
+    for (uint32_t p = 0; p < ncr_surface_patch_count(j->surface); p++) {
+        if (j->plans[p].flat)
+            continue;
+        ncr_mesh_grid g = make_grid(&j->plans[p], j->surface->sign < 0);
+        const unsigned log_triangles = 1u + g.log_n[0] + g.log_n[1];
+        g.first_vertex = (uint32_t)m->vertex_count;
+        g.first_triangle = (uint32_t)m->triangle_count;
+        m->grids[p] = g;
+        m->vertex_count += grid_vertices(&g);
+        m->triangle_count += (size_t)1 << log_triangles;
+        m->log_block = log_triangles < m->log_block ? log_triangles : m->log_block;
+        worst = fmax(worst, chord_bound(j->plans[p].bend, j->plans[p].need));
+        if (m->triangle_count > (size_t)1 << 31 || m->vertex_count > UINT32_MAX)
+            return ncr_fail(ctx, NCR_E_LIMIT, "more than 2^31 triangles; ask for a larger chord");
+    }
+    m->chord = (float)worst;
+    return NCR_OK;
 }
 
 /* --- vertices ------------------------------------------------------------------------------ */
@@ -240,26 +258,28 @@ static void vertex_position(const job *j, uint32_t p, unsigned x, unsigned y, do
 {
     const plan *pl = &j->plans[p];
     const double(*control)[3] = ncr_surface_patch_control(j->surface, p);
+    const unsigned nu = 1u << j->mesh->grids[p].log_n[0], nv = 1u << j->mesh->grids[p].log_n[1];
     ncr_surface_point at;
-    if (y == 0 || y == pl->n[1]) {
-        const int side = y == 0 ? v0 : v1;
-        border_point(control, side, pl->point[side] ? 0 : x, pl->n[0], out);
-    } else if (x == 0 || x == pl->n[0]) {
-        const int side = x == 0 ? u0 : u1;
-        border_point(control, side, pl->point[side] ? 0 : y, pl->n[1], out);
+    if (y == 0 || y == nv) {
+        const int side = y == 0 ? NCR_V0 : NCR_V1;
+        border_point(control, side, pl->point[side] ? 0 : x, nu, out);
+    } else if (x == 0 || x == nu) {
+        const int side = x == 0 ? NCR_U0 : NCR_U1;
+        border_point(control, side, pl->point[side] ? 0 : y, nv, out);
     } else {
-        ncr_surface_eval(j->surface, p, (double)x / pl->n[0], (double)y / pl->n[1], &at);
+        ncr_surface_eval(j->surface, p, (double)x / nu, (double)y / nv, &at);
         memcpy(out, at.p, sizeof at.p);
     }
 }
 
 static void fill_vertices(const job *j, uint32_t p)
 {
-    const plan *pl = &j->plans[p];
-    size_t at = pl->first_vertex;
-    for (unsigned y = 0; y <= pl->n[1]; y++)
-        for (unsigned x = 0; x <= pl->n[0]; x++, at++) {
-            const double u = (double)x / pl->n[0], v = (double)y / pl->n[1];
+    const ncr_mesh_grid *g = &j->mesh->grids[p];
+    const unsigned nu = 1u << g->log_n[0], nv = 1u << g->log_n[1];
+    size_t at = g->first_vertex;
+    for (unsigned y = 0; y <= nv; y++)
+        for (unsigned x = 0; x <= nu; x++, at++) {
+            const double u = (double)x / nu, v = (double)y / nv;
             double position[3], normal[3];
             vertex_position(j, p, x, y, position);
             ncr_surface_normal(j->surface, p, u, v, normal);
@@ -272,42 +292,20 @@ static void fill_vertices(const job *j, uint32_t p)
         }
 }
 
-/* --- triangles ----------------------------------------------------------------------------- */
-
-/* The nearest point in use along a border of n quads. */
-static unsigned snap(unsigned k, unsigned n, unsigned rate)
-{
-    const unsigned step = n / rate;
-    return (k + step / 2) / step * step;
-}
-
-static uint32_t vertex_index(const plan *pl, unsigned x, unsigned y)
-{
-    unsigned sx = x, sy = y;
-    if (y == 0 || y == pl->n[1])
-        sx = snap(x, pl->n[0], pl->rate[y == 0 ? v0 : v1]);
-    if (x == 0 || x == pl->n[0])
-        sy = snap(y, pl->n[1], pl->rate[x == 0 ? u0 : u1]);
-    return (uint32_t)(pl->first_vertex + (size_t)sy * (pl->n[0] + 1) + sx);
-}
-
 static void fill_triangles(const job *j, uint32_t p)
 {
-    const plan *pl = &j->plans[p];
-    const int second = j->surface->sign < 0 ? 2 : 1;
-    size_t at = pl->first_triangle;
-    for (unsigned y = 0; y < pl->n[1]; y++)
-        for (unsigned x = 0; x < pl->n[0]; x++) {
-            const uint32_t a = vertex_index(pl, x, y), b = vertex_index(pl, x + 1, y);
-            const uint32_t c = vertex_index(pl, x + 1, y + 1), d = vertex_index(pl, x, y + 1);
-            const uint32_t both[2][3] = {{a, b, c}, {a, c, d}};
-            for (int k = 0; k < 2; k++, at++) {
-                j->mesh->corner[at][0] = both[k][0];
-                j->mesh->corner[at][1] = both[k][second];
-                j->mesh->corner[at][2] = both[k][3 - second];
-                j->mesh->patch[at] = p;
-            }
-        }
+    const ncr_mesh *m = j->mesh;
+    const ncr_mesh_grid *g = &m->grids[p];
+    const uint32_t count = 2u << g->log_n[0] << g->log_n[1];
+    for (uint32_t local = 0; local < count; local++) {
+        uint32_t x[3], y[3];
+        ncr_grid_triangle(g, local, x, y);
+        for (int i = 0; i < 3; i++)
+            m->corner[g->first_triangle + local][i] = ncr_grid_vertex(g, x[i], y[i]);
+        m->patch[g->first_triangle + local] = p;
+    }
+    for (uint32_t block = 0; block < count >> m->log_block; block++)
+        m->block_patch[(g->first_triangle >> m->log_block) + block] = p;
 }
 
 static void plan_patches(size_t begin, size_t end, unsigned worker, void *arg)
@@ -332,15 +330,14 @@ static void fill_patches(size_t begin, size_t end, unsigned worker, void *arg)
 
 static ncr_status allocate(const ncr_ctx *ctx, ncr_mesh *m)
 {
-    if (m->triangle_count > (size_t)1 << 31)
-        return ncr_fail(ctx, NCR_E_LIMIT, "%zu triangles, at most 2^31; ask for a larger chord",
-                        m->triangle_count);
     m->position = ncr_alloc_zero(ctx, m->vertex_count + 1, sizeof *m->position);
-    m->normal = ncr_alloc_zero(ctx, m->vertex_count, sizeof *m->normal);
+    m->normal = ncr_alloc_zero(ctx, m->vertex_count + 1, sizeof *m->normal);
     m->uv = ncr_alloc_zero(ctx, m->vertex_count, sizeof *m->uv);
     m->corner = ncr_alloc_zero(ctx, m->triangle_count, sizeof *m->corner);
     m->patch = ncr_alloc_zero(ctx, m->triangle_count, sizeof *m->patch);
-    return m->position && m->normal && m->uv && m->corner && m->patch ? NCR_OK : NCR_E_NOMEM;
+    m->block_patch = ncr_alloc_zero(ctx, m->triangle_count >> m->log_block, sizeof *m->block_patch);
+    const bool all = m->position && m->normal && m->uv && m->corner && m->patch && m->block_patch;
+    return all ? NCR_OK : NCR_E_NOMEM;
 }
 
 /* Rounding a vertex to float moves it by at most sqrt(3) half ulp of the largest coordinate. */
@@ -361,12 +358,14 @@ static ncr_status build(const ncr_ctx *ctx, job *j)
     ncr_status status = ncr_parallel_for(ctx, patches, 64, plan_patches, j);
     if (!status)
         status = agree_on_borders(ctx, j);
+    if (!status)
+        status = lay_out(ctx, j);
+    if (!status)
+        status = allocate(ctx, j->mesh);
     if (status)
         return status;
-    lay_out(j);
     j->mesh->chord += (float)rounding;
-    status = allocate(ctx, j->mesh);
-    return status ? status : ncr_parallel_for(ctx, patches, 1, fill_patches, j);
+    return ncr_parallel_for(ctx, patches, 1, fill_patches, j);
 }
 
 ncr_status ncr_mesh_create(const ncr_ctx *ctx, const ncr_surface *surface, double chord,
@@ -377,9 +376,8 @@ ncr_status ncr_mesh_create(const ncr_ctx *ctx, const ncr_surface *surface, doubl
     job j = {.surface = surface, .chord = chord, .mesh = &mesh};
     *out = mesh;
     j.plans = ncr_alloc_zero(ctx, ncr_surface_patch_count(surface), sizeof *j.plans);
-    if (!j.plans)
-        return NCR_E_NOMEM;
-    const ncr_status status = build(ctx, &j);
+    mesh.grids = ncr_alloc_zero(ctx, ncr_surface_patch_count(surface), sizeof *mesh.grids);
+    const ncr_status status = j.plans && mesh.grids ? build(ctx, &j) : NCR_E_NOMEM;
     ncr_free(ctx, j.plans);
     if (status)
         ncr_mesh_dispose(ctx, &mesh);
@@ -395,5 +393,7 @@ void ncr_mesh_dispose(const ncr_ctx *ctx, ncr_mesh *mesh)
     ncr_free(ctx, mesh->uv);
     ncr_free(ctx, mesh->corner);
     ncr_free(ctx, mesh->patch);
+    ncr_free(ctx, mesh->grids);
+    ncr_free(ctx, mesh->block_patch);
     *mesh = (ncr_mesh){0};
 }

@@ -35,6 +35,22 @@ static inline ncr_surface *solid_sphere(void)
     return solid_surface(sphere_patches, nets);
 }
 
+/* A sphere whose patches need very different grids: inner control points moved at random. */
+static inline ncr_surface *solid_uneven_sphere(uint64_t seed)
+{
+    check_random r = {.seed = seed};
+    double nets[sphere_patches][16][3];
+    solid_sphere_nets(nets);
+    static const int inner[4] = {5, 6, 9, 10};
+    for (int p = 0; p < sphere_patches; p++) {
+        const double amount = pow(4, check_uniform(&r, -6, 0.5));
+        for (int i = 0; i < 4; i++)
+            for (int k = 0; k < 3; k++)
+                nets[p][inner[i]][k] += check_uniform(&r, -amount, amount);
+    }
+    return solid_surface(sphere_patches, nets);
+}
+
 static inline ncr_surface *solid_from_file(const char *path)
 {
     ncr_patch_set set;

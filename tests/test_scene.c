@@ -2,6 +2,7 @@
 #include "tests/solids.h"
 
 #include "core/vec_internal.h"
+#include "geometry/scene_internal.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -136,6 +137,70 @@ static void hits_say_where_and_which_way(void **state)
         }
         assert_true(hit > batch / 4);
     }
+    free(b);
+    ncr_scene_destroy(NULL, scene);
+}
+
+/* On surfaces of every kind: mirrored, and with grids of different fineness side by side. */
+static void parameter_and_normal_belong_to_the_point_hit(void **state)
+{
+    (void)state;
+    beam *b = new_beam();
+    for (uint64_t seed = 1; seed <= 10; seed++) {
+        check_random r = {.seed = seed};
+        ncr_surface *surface = solid_uneven_sphere(seed);
+        const ncr_object_desc object = {.surface = surface,
+                                        .map = {seed % 2 ? -1 : 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0},
+                                        .chord = 0.002};
+        ncr_scene *scene = NULL;
+        CHECK_STATUS(NCR_OK, ncr_scene_create(NULL, 1, &object, NULL, &scene));
+        random_rays(b, &r);
+        const ncr_rays rays = beam_rays(b, seed % 3 == 0);
+        const ncr_hits hits = beam_hits(b);
+        ncr_scene_closest(scene, batch, &rays, &hits);
+        double worst = 0, agree = 0;
+        size_t hit = 0;
+        for (size_t k = 0; k < batch; k++) {
+            if (b->object[k] == NCR_NONE)
+                continue;
+            ncr_surface_point at;
+            double gap[3], n[3], g_n = 0, n_n = 0;
+            const double u = (double)b->u[k], v = (double)b->v[k];
+            ncr_surface_eval(ncr_scene_object_surface(scene, 0), b->patch[k], u, v, &at);
+            ncr_surface_normal(ncr_scene_object_surface(scene, 0), b->patch[k], u, v, n);
+            for (int i = 0; i < 3; i++) {
+                gap[i] = (double)b->o[i][k] + (double)b->t[k] * (double)b->d[i][k] - at.p[i];
+                n_n += n[i] * (double)b->n[i][k];
+                g_n += n[i] * (double)b->g[i][k];
+            }
+            worst = fmax(worst, d_length(gap));
+            agree += n_n > 0.99 && g_n > 0.95;
+            hit++;
+        }
+        CHECK(worst <= (double)ncr_scene_object_chord(scene, 0) + 1e-6, "gap %g", worst);
+        /* Where control points were moved a lot there are creases and folds. */
+        CHECK(agree > 0.97 * (double)hit, "%g of %zu normals", agree, hit);
+        ncr_scene_destroy(NULL, scene);
+        ncr_surface_destroy(NULL, surface);
+    }
+    free(b);
+}
+
+static void a_triangle_stands_in_where_its_corners_have_no_normals(void **state)
+{
+    (void)state;
+    check_random r = {.seed = 12};
+    ncr_scene *scene = solid_scene(solid_sphere());
+    ncr_mesh *mesh = &scene->objects[0].mesh;
+    memset(mesh->normal, 0, mesh->vertex_count * sizeof *mesh->normal);
+    beam *b = new_beam();
+    random_rays(b, &r);
+    const ncr_rays rays = beam_rays(b, true);
+    const ncr_hits hits = beam_hits(b);
+    ncr_scene_closest(scene, batch, &rays, &hits);
+    for (size_t k = 0; k < batch; k++)
+        for (int i = 0; i < 3 && b->object[k] != NCR_NONE; i++)
+            CHECK_NEAR((double)b->n[i][k], (double)b->g[i][k], 1e-6);
     free(b);
     ncr_scene_destroy(NULL, scene);
 }
@@ -696,6 +761,8 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(no_ray_leaves_a_closed_surface_unseen),
         cmocka_unit_test(hits_say_where_and_which_way),
+        cmocka_unit_test(parameter_and_normal_belong_to_the_point_hit),
+        cmocka_unit_test(a_triangle_stands_in_where_its_corners_have_no_normals),
         cmocka_unit_test(occlusion_is_a_closest_hit_in_range),
         cmocka_unit_test(any_count_gives_what_one_by_one_gives),
         cmocka_unit_test(unusable_rays_are_counted_and_miss),

@@ -14,22 +14,6 @@ static ncr_mesh mesh_of(const ncr_surface *surface, double chord)
     return mesh;
 }
 
-/* A sphere whose patches need very different grids: inner control points moved at random. */
-static ncr_surface *uneven_sphere(uint64_t seed)
-{
-    check_random r = {.seed = seed};
-    double nets[sphere_patches][16][3];
-    solid_sphere_nets(nets);
-    static const int inner[4] = {5, 6, 9, 10};
-    for (int p = 0; p < sphere_patches; p++) {
-        const double amount = pow(4, check_uniform(&r, -6, 0.5));
-        for (int i = 0; i < 4; i++)
-            for (int k = 0; k < 3; k++)
-                nets[p][inner[i]][k] += check_uniform(&r, -amount, amount);
-    }
-    return solid_surface(sphere_patches, nets);
-}
-
 /* --- cracks: every directed edge has its reverse, bit for bit -------------------------------- */
 
 typedef struct edge {
@@ -103,7 +87,7 @@ static void neighbours_with_different_grids_have_no_cracks(void **state)
 {
     (void)state;
     for (uint64_t seed = 1; seed <= 40; seed++) {
-        ncr_surface *surface = uneven_sphere(seed);
+        ncr_surface *surface = solid_uneven_sphere(seed);
         ncr_mesh mesh = mesh_of(surface, 0.004);
         const size_t lonely = unmatched_edges(&mesh);
         CHECK(lonely == 0, "seed %u: %zu of %zu triangles", (unsigned)seed, lonely,
@@ -125,7 +109,7 @@ static void triangles_tile_the_parameter_square_without_folds(void **state)
 {
     (void)state;
     for (uint64_t seed = 1; seed <= 20; seed++) {
-        ncr_surface *surface = uneven_sphere(seed);
+        ncr_surface *surface = solid_uneven_sphere(seed);
         ncr_mesh mesh = mesh_of(surface, 0.003);
         double area[sphere_patches] = {0};
         for (size_t t = 0; t < mesh.triangle_count; t++) {
@@ -211,7 +195,7 @@ static void no_point_is_farther_than_the_chord(void **state)
     (void)state;
     for (uint64_t seed = 1; seed <= 6; seed++) {
         check_random r = {.seed = seed};
-        ncr_surface *surface = uneven_sphere(seed);
+        ncr_surface *surface = solid_uneven_sphere(seed);
         check_chord(surface, 0.02, &r);
         ncr_surface_destroy(NULL, surface);
     }
@@ -282,7 +266,7 @@ static void patches_without_area_get_no_triangles(void **state)
 static void vertices_lie_on_the_surface_at_their_parameter(void **state)
 {
     (void)state;
-    ncr_surface *surface = uneven_sphere(3);
+    ncr_surface *surface = solid_uneven_sphere(3);
     ncr_mesh mesh = mesh_of(surface, 0.01);
     for (size_t t = 0; t < mesh.triangle_count; t++)
         for (int k = 0; k < 3; k++) {
@@ -302,6 +286,33 @@ static void vertices_lie_on_the_surface_at_their_parameter(void **state)
     ncr_surface_destroy(NULL, surface);
 }
 
+static void the_rule_of_the_grid_gives_what_the_arrays_say(void **state)
+{
+    (void)state;
+    const double mirror[12] = {0, 1, 0, 0, 1, 0, 0, 0, 0, 0, 1, 0};
+    for (uint64_t seed = 1; seed <= 8; seed++) {
+        ncr_surface *surface = solid_uneven_sphere(seed), *mirrored = NULL;
+        CHECK_STATUS(NCR_OK, ncr_surface_create_transformed(NULL, surface, mirror, &mirrored));
+        ncr_mesh mesh = mesh_of(seed % 2 ? surface : mirrored, 0.003);
+        for (uint32_t t = 0; t < mesh.triangle_count; t++) {
+            const uint32_t patch = mesh.block_patch[t >> mesh.log_block];
+            const ncr_mesh_grid *g = &mesh.grids[patch];
+            uint32_t x[3], y[3];
+            assert_int_equal(patch, mesh.patch[t]);
+            ncr_grid_triangle(g, t - g->first_triangle, x, y);
+            for (int i = 0; i < 3; i++) {
+                const uint32_t c = mesh.corner[t][i];
+                assert_int_equal(ncr_grid_vertex(g, x[i], y[i]), c);
+                assert_true((float)x[i] * g->step[0] == mesh.uv[c][0]);
+                assert_true((float)y[i] * g->step[1] == mesh.uv[c][1]);
+            }
+        }
+        ncr_mesh_dispose(NULL, &mesh);
+        ncr_surface_destroy(NULL, surface);
+        ncr_surface_destroy(NULL, mirrored);
+    }
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -313,6 +324,7 @@ int main(void)
         cmocka_unit_test(triangles_face_outward_also_in_a_mirror),
         cmocka_unit_test(patches_without_area_get_no_triangles),
         cmocka_unit_test(vertices_lie_on_the_surface_at_their_parameter),
+        cmocka_unit_test(the_rule_of_the_grid_gives_what_the_arrays_say),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
