@@ -34,15 +34,6 @@ struct ncr_scene_file {
     char hash[17];
 };
 
-/* What is known of the objects while they are read. */
-typedef struct object_list {
-    size_t count;
-    ncr_object_desc *desc; /* [count], each with a surface of its own */
-    const ncr_material *palette;
-    const char **material_names;
-    size_t material_count;
-} object_list;
-
 uint64_t ncr_fnv1a(uint64_t hash, const void *bytes, size_t size)
 {
     const uint8_t *b = bytes;
@@ -62,93 +53,43 @@ static void *room_for(ncr_json_doc *doc, size_t count, size_t size)
     return room;
 }
 
-/* --- objects -------------------------------------------------------------------------------------- */
+/* --- reading ---------------------------------------------------------------------------------- */
 
-static const ncr_material *find_material(const ncr_json *at, const object_list *list)
+/* Everything that is gone once the scene is built. */
+typedef struct draft {
+    ncr_scene_folder folder;
+    ncr_scene_palette palette;
+    size_t count;
+    ncr_object_desc *desc; /* [count], each with a surface of its own */
+} draft;
+
+static void check_new_name(const ncr_json *object, const draft *d, size_t count)
 {
-    const char *name = NULL;
-    ncr_json_need(at, "the name of a material");
-    ncr_json_string(*at, &name);
-    for (size_t k = 0; name && k < list->material_count; k++)
-        if (!strcmp(name, list->material_names[k]))
-            return list->palette + k;
-    const char *nearest =
-        ncr_nearest_word(name ? name : "", list->material_count, list->material_names);
-    if (nearest)
-        ncr_json_fail(at, "no material \"%.40s\"; did you mean \"%s\"?", name ? name : "", nearest);
-    else
-        ncr_json_fail(at, "no material \"%.40s\": the scene has none", name ? name : "");
-    return NULL;
+    const ncr_json name = ncr_json_member(object, "name");
+    for (size_t k = 0; k < count && !object->doc->status; k++)
+        if (!strcmp(d->desc[k].name, d->desc[count].name))
+            ncr_json_fail(&name, "another object has the name \"%.40s\"", d->desc[k].name);
 }
 
-static ncr_surface *make_surface(const ncr_json *at, ncr_scene_folder *folder)
-{
-    const ncr_json shape = ncr_json_member(at, "shape");
-    ncr_surface *surface = NULL;
-    ncr_net_list nets = {0};
-    ncr_json_need(&shape, "a shape or an array of shapes");
-    if (!at->doc->status)
-        ncr_scene_read_shape(&shape, folder, &nets);
-    ncr_scene_read_place(at, 0, &nets);
-    if (!at->doc->status) {
-        at->doc->status = ncr_surface_create_bezier(
-            at->doc->ctx, nets.count, (const double(*)[16][3])nets.at, NULL, &surface);
-    }
-    ncr_free(at->doc->ctx, nets.at);
-    return surface;
-}
-
-static void check_new_name(const ncr_json *at, const object_list *list, size_t count)
-{
-    for (size_t k = 0; k < count; k++)
-        if (!at->doc->status && !strcmp(list->desc[k].name, json_string_value(at->value)))
-            ncr_json_fail(at, "another object has the name \"%.40s\"", list->desc[k].name);
-}
-
-static void read_object(const ncr_json *at, ncr_scene_folder *folder, object_list *list, size_t k,
-                        ncr_scene_file *file)
-{
-    static const char *const known[] = {"name",     "shape", "place",      "repeat",
-                                        "material", "bake",  "open_sheet", "chord"};
-    ncr_object_desc *desc = list->desc + k;
-    bool bake = false;
-    if (!ncr_json_only(at, NCR_WORDS(known)))
-        return;
-    const ncr_json name = ncr_json_member(at, "name"), material = ncr_json_member(at, "material");
-    ncr_json_need(&name, "a name");
-    ncr_json_string(name, &desc->name);
-    check_new_name(&name, list, k);
-    const ncr_material *m = find_material(&material, list);
-    ncr_json_bool(ncr_json_member(at, "bake"), &bake);
-    ncr_json_bool(ncr_json_member(at, "open_sheet"), &desc->open_sheet);
-    ncr_json_number(ncr_json_member(at, "chord"), 0, 1e30, &desc->chord);
-    desc->surface = make_surface(at, folder);
-    desc->mask = bake ? 2 : 1;
-    if (m)
-        file->materials[k] = *m;
-    if (bake && file->subject == NCR_NONE)
-        file->subject = (uint32_t)k;
-}
-
-static void read_objects(const ncr_json *root, ncr_scene_folder *folder, object_list *list,
-                         ncr_scene_file *file)
+static void read_objects(const ncr_json *root, draft *d, ncr_scene_file *file)
 {
     const ncr_json objects = ncr_json_member(root, "objects");
     ncr_json_doc *doc = root->doc;
     ncr_json_need(&objects, "an array of objects");
     const size_t count = ncr_json_array(&objects, 1, most_objects, "objects");
-    list->desc = room_for(doc, count, sizeof *list->desc);
+    d->desc = room_for(doc, count, sizeof *d->desc);
     file->materials = room_for(doc, count, sizeof *file->materials);
     if (doc->status)
         return;
-    list->count = count;
+    d->count = count;
     for (size_t k = 0; k < count && !doc->status; k++) {
         const ncr_json one = ncr_json_element(&objects, k);
-        read_object(&one, folder, list, k, file);
+        ncr_scene_read_object(&one, &d->palette, &d->folder, d->desc + k, file->materials + k);
+        check_new_name(&one, d, k);
+        if (file->subject == NCR_NONE && d->desc[k].mask == NCR_SCENE_MASK_BAKED)
+            file->subject = (uint32_t)k;
     }
 }
-
-/* --- the rest of the file -------------------------------------------------------------------------- */
 
 static size_t member_count(const ncr_json *at, size_t most)
 {
@@ -159,25 +100,23 @@ static size_t member_count(const ncr_json *at, size_t most)
     return json_object_size(at->value);
 }
 
-static void read_materials(const ncr_json *root, object_list *list, ncr_material **palette)
+static void read_materials(const ncr_json *root, ncr_scene_palette *palette)
 {
     const ncr_json materials = ncr_json_member(root, "materials");
-    const size_t count = member_count(&materials, most_materials);
     const char *key;
     json_t *value;
     size_t k = 0;
-    *palette = room_for(root->doc, count, sizeof **palette);
-    list->material_names = room_for(root->doc, count, sizeof *list->material_names);
+    palette->count = member_count(&materials, most_materials);
+    palette->materials = room_for(root->doc, palette->count, sizeof *palette->materials);
+    palette->names = room_for(root->doc, palette->count, sizeof *palette->names);
     if (root->doc->status)
         return;
     json_object_foreach(materials.value, key, value)
     {
         const ncr_json one = {root->doc, &materials, key, 0, value};
-        list->material_names[k] = key;
-        ncr_scene_read_material(&one, *palette + k++);
+        palette->names[k] = key;
+        ncr_scene_read_material(&one, palette->materials + k++);
     }
-    list->palette = *palette;
-    list->material_count = count;
 }
 
 static void read_cameras(const ncr_json *root, ncr_scene_file *file)
@@ -243,9 +182,9 @@ static ncr_status find_lights(const ncr_ctx *ctx, ncr_scene_file *file)
     return ncr_world_find_lights(ctx, file->scene, file->materials, count, file->lights, &count);
 }
 
-static ncr_status build_world(const ncr_ctx *ctx, const object_list *list, ncr_scene_file *file)
+static ncr_status build_world(const ncr_ctx *ctx, const draft *d, ncr_scene_file *file)
 {
-    const ncr_status status = ncr_scene_create(ctx, list->count, list->desc, NULL, &file->scene);
+    const ncr_status status = ncr_scene_create(ctx, d->count, d->desc, NULL, &file->scene);
     if (status)
         return status;
     file->world.scene = file->scene;
@@ -253,24 +192,20 @@ static ncr_status build_world(const ncr_ctx *ctx, const object_list *list, ncr_s
     return find_lights(ctx, file);
 }
 
-static ncr_status read_all(const ncr_ctx *ctx, ncr_scene_folder *folder, ncr_scene_file *file)
+static ncr_status read_all(const ncr_ctx *ctx, draft *d, ncr_scene_file *file)
 {
-    object_list list = {0};
-    ncr_material *palette = NULL;
     const ncr_json root = ncr_json_root(&file->doc);
     read_head(&root, file);
-    read_materials(&root, &list, &palette);
+    read_materials(&root, &d->palette);
     read_cameras(&root, file);
     read_presets(&root, file);
-    read_objects(&root, folder, &list, file);
-    ncr_status status = file->doc.status;
-    if (!status)
-        status = build_world(ctx, &list, file);
-    for (size_t k = 0; k < list.count; k++)
-        ncr_surface_destroy(ctx, (ncr_surface *)list.desc[k].surface);
-    ncr_free(ctx, list.desc);
-    ncr_free(ctx, list.material_names);
-    ncr_free(ctx, palette);
+    read_objects(&root, d, file);
+    const ncr_status status = file->doc.status ? file->doc.status : build_world(ctx, d, file);
+    for (size_t k = 0; k < d->count; k++)
+        ncr_surface_destroy(ctx, (ncr_surface *)d->desc[k].surface);
+    ncr_free(ctx, d->desc);
+    ncr_free(ctx, d->palette.names);
+    ncr_free(ctx, d->palette.materials);
     return status;
 }
 
@@ -279,16 +214,16 @@ static ncr_status load(const ncr_ctx *ctx, const char *path, ncr_scene_file *fil
     uint8_t *bytes;
     size_t size;
     const char *slash = strrchr(path, '/');
-    ncr_scene_folder folder = {path, slash ? (size_t)(slash - path) + 1 : 0, fnv_offset};
+    draft d = {.folder = {path, slash ? (size_t)(slash - path) + 1 : 0, fnv_offset}};
     ncr_status status = ncr_file_read(ctx, path, most_bytes, &bytes, &size);
     if (status)
         return status;
-    folder.hash = ncr_fnv1a(folder.hash, bytes, size);
+    d.folder.hash = ncr_fnv1a(d.folder.hash, bytes, size);
     status = ncr_json_parse(ctx, path, (const char *)bytes, size, &file->doc);
     ncr_free(ctx, bytes);
     if (!status)
-        status = read_all(ctx, &folder, file);
-    snprintf(file->hash, sizeof file->hash, "%016" PRIx64, folder.hash);
+        status = read_all(ctx, &d, file);
+    snprintf(file->hash, sizeof file->hash, "%016" PRIx64, d.folder.hash);
     return status;
 }
 

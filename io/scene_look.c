@@ -201,9 +201,12 @@ void ncr_scene_read_preset(const ncr_json *at, ncr_preset *out)
         return;
     const ncr_json cube = ncr_json_member(at, "cube"), epsilon = ncr_json_member(at, "epsilon");
     const ncr_json size = ncr_json_member(at, "size"), light = ncr_json_member(at, "irradiance");
+    const ncr_json map = ncr_json_member(at, "map");
     ncr_json_count(ncr_json_member(at, "points"), 1, NCR_POINTS_MAX, &out->points);
     read_cubes(&cube, out->cube);
-    ncr_json_count(ncr_json_member(at, "map"), 1, 4096, &out->map);
+    ncr_json_count(map, 1, 4096, &out->map);
+    if (out->map & (out->map - 1))
+        ncr_json_expected(&map, "a power of two");
     read_offsets(&epsilon, out->epsilon);
     read_irradiance(&light, &out->irradiance);
     if (ncr_json_array(&size, 2, 2, "whole numbers")) {

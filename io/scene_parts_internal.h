@@ -26,6 +26,16 @@ typedef struct ncr_scene_folder {
     uint64_t hash;
 } ncr_scene_folder;
 
+/* Materials by name, as the file lists them. */
+typedef struct ncr_scene_palette {
+    size_t count;
+    const char **names;
+    ncr_material *materials;
+} ncr_scene_palette;
+
+/* Ray masks: what is baked can be hidden from rays by asking for the others. */
+enum { NCR_SCENE_MASK_OTHER = 1, NCR_SCENE_MASK_BAKED = 2 };
+
 /* FNV-1a, 64 bits.                                                                     [FNV] */
 uint64_t ncr_fnv1a(uint64_t hash, const void *bytes, size_t size);
 
@@ -34,6 +44,9 @@ void ncr_scene_read_shape(const ncr_json *at, ncr_scene_folder *folder, ncr_net_
 /* "place" and "repeat" of `at`, applied to the nets from `first` on. */
 void ncr_scene_read_place(const ncr_json *at, size_t first, ncr_net_list *nets);
 
+/* An object; desc->surface is the caller's to destroy, also after a failure. */
+void ncr_scene_read_object(const ncr_json *at, const ncr_scene_palette *palette,
+                           ncr_scene_folder *folder, ncr_object_desc *desc, ncr_material *material);
 void ncr_scene_read_material(const ncr_json *at, ncr_material *out);
 void ncr_scene_read_sky(const ncr_json *at, ncr_sky *out);
 void ncr_scene_read_camera(const ncr_json *at, ncr_scene_camera *out);

@@ -255,6 +255,7 @@ static void every_mistake_is_named_with_its_place(void **state)
          ": /cameras/1: eye, target and up give no direction"},
         {"\"rays\": 64", "\"rays\": 65",
          ": /presets/quick/irradiance/rays: expected a power of two, found 65"},
+        {"\"map\": 32", "\"map\": 33", ": /presets/quick/map: expected a power of two, found 33"},
         {"\"size\": [64, 48]", "\"size\": [64, 48.5]",
          ": /presets/quick/size/1: expected a whole number from 1 to 65536, found 48.5"},
         {"{ \"patches\": \"small.patches\", \"first\": 1 }",
