@@ -20,15 +20,12 @@ void ncr_recon_trace(const ncr_shade_job *job, const ncr_method *method, ncr_run
     stats->rays += rays.view + rays.shadow + rays.mirror;
 }
 
-/* The mirror ray itself, from just above the exact surface point. It sees the object as the light
- * field does: diffuse.                                                          [T 2.3, 2.4] */
+/* The mirror ray itself, from just above the exact surface point. The tracer says how the object
+ * looks in itself: diffuse, as a light field sees it, or a mirror again.         [T 2.3, 2.4] */
 void ncr_reflect_trace(const ncr_shade_job *job, const ncr_method *method, ncr_run *run,
                        ncr_shade_stats *stats)
 {
     (void)method;
-    ncr_tracer tracer = *job->in->tracer;
-    tracer.diffuse_object = job->in->object;
-
     ncr_rows o;
     for (int c = 0; c < 3; c++)
         for (size_t k = 0; k < run->count; k++)
@@ -40,6 +37,6 @@ void ncr_reflect_trace(const ncr_shade_job *job, const ncr_method *method, ncr_r
                           .dy = run->r.at[1],
                           .dz = run->r.at[2]};
     ncr_ray_counts rays = {0};
-    ncr_tracer_radiance(&tracer, run->count, &ray, NULL, NCR_ROWS_OUT(&run->rgb), NULL, &rays);
+    ncr_tracer_radiance(job->in->tracer, run->count, &ray, NULL, NCR_ROWS_OUT(&run->rgb), NULL, &rays);
     stats->rays += rays.view + rays.shadow + rays.mirror;
 }

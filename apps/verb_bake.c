@@ -1,0 +1,200 @@
+/* SPDX-License-Identifier: MIT
+ * verb_bake.c - nacre bake: a scene's object to a field on disk. */
+#include "apps/stage.h"
+#include "apps/verbs.h"
+
+#include <string.h>
+
+typedef struct bake_options {
+    app common;
+    const char *scene, *field, *preset, *object, *placement, *occlusion;
+    uint32_t points, cube, map;
+    double spacing, epsilon, memory;
+    bool half, is_float, depth;
+} bake_options;
+
+/* What the field writer needs when the bake knows its points. */
+typedef struct field_target {
+    const app *a;
+    const stage *s;
+    const bake_options *o;
+    ncr_field_info info;
+    ncr_field_writer *writer;
+} field_target;
+
+static double field_bytes(const ncr_baked *baked, uint32_t n, bool is_float, bool depth)
+{
+    const double texel = 3.0 * (is_float ? 4 : 2) + (depth ? 4 : 0);
+    return (double)baked->points.count * 6.0 * n * n * texel;
+}
+
+static ncr_status open_field(void *user, const ncr_baked *baked, uint32_t n, bool depth,
+                             ncr_tile_sink *sink)
+{
+    field_target *t = user;
+    const double bytes = field_bytes(baked, n, t->o->is_float, depth);
+    if (t->o->memory > 0 && bytes > t->o->memory)
+        return ncr_fail(&t->a->ctx, NCR_E_LIMIT,
+                        "the field needs %.0f bytes for %zu points of 6x%ux%u texels; --memory "
+                        "allows %.0f",
+                        bytes, baked->points.count, n, n, t->o->memory);
+    t->info.cube = n;
+    return ncr_field_writer_create(&t->a->ctx, t->o->field, &t->info, baked, &t->writer, sink);
+}
+
+static ncr_status check_words(const bake_options *o, const ncr_ctx *ctx)
+{
+    static const char *const occlusions[] = {"off", "on"};
+    static const char *const placements[] = {"grid"};
+    if (o->half && o->is_float)
+        return ncr_fail(ctx, NCR_E_ARG, "--half and --float exclude each other");
+    if (o->points && o->spacing > 0)
+        return ncr_fail(ctx, NCR_E_ARG, "--points and --spacing exclude each other");
+    if (o->occlusion && strcmp(o->occlusion, "on") && strcmp(o->occlusion, "off"))
+        return ncr_fail(ctx, NCR_E_ARG, "--occlusion %s: expected %s or %s", o->occlusion,
+                        occlusions[0], occlusions[1]);
+    if (o->placement && strcmp(o->placement, placements[0]))
+        return ncr_fail(ctx, NCR_E_ARG, "--placement %s: expected %s", o->placement, placements[0]);
+    return NCR_OK;
+}
+
+static json_t *summary(const stage *s, const ncr_baked *baked, const ncr_bake_report *r,
+                       uint64_t bytes, double write, double total)
+{
+    return json_pack(
+        "{s:s, s:s, s:I, s:I, s:I, s:I, s:I, s:I, s:{s:f, s:f, s:f, s:f, s:f, s:f}, s:I, s:[]}",
+        "schema", "nacre.bake/1", "object", ncr_scene_object_name(s->world->scene, s->object),
+        "points", (json_int_t)baked->points.count, "patches", (json_int_t)baked->map.patch_count,
+        "texels", (json_int_t)r->total.texels, "texels_short_of_four",
+        (json_int_t)r->total.short_of_four, "texels_uncovered", (json_int_t)r->total.uncovered,
+        "bytes", (json_int_t)bytes, "seconds", "light", s->light.seconds, "place", r->seconds.place,
+        "maps", r->seconds.maps, "capture", r->seconds.capture, "write", write, "total", total,
+        "rays", (json_int_t)(stage_rays(&r->capture.rays) + r->map.rays + s->light.rays),
+        "omitted");
+}
+
+static ncr_status bake_field(const bake_options *o, stage *s, ncr_baked *baked,
+                             ncr_bake_report *report, uint64_t *bytes, double *write)
+{
+    const app *a = &o->common;
+    ncr_status status = stage_light(a, s);
+    if (status != NCR_OK)
+        return status;
+    const bool occlusion = o->occlusion && !strcmp(o->occlusion, "on");
+    const double epsilon = o->epsilon > 0 ? o->epsilon : s->preset->epsilon[0];
+    field_target target = {
+        .a = a,
+        .s = s,
+        .o = o,
+        .info = {.object = ncr_scene_object_name(s->world->scene, s->object),
+                 .scene_hash = ncr_scene_file_hash(s->file),
+                 .format = o->is_float ? NCR_TEXEL_FLOAT : NCR_TEXEL_HALF,
+                 .depth = o->depth,
+                 .exponent = o->is_float ? 0 : stage_half_exponent(s),
+                 .epsilon = epsilon,
+                 .horizon_deg = 85,
+                 .occlusion = occlusion,
+                 .frame = *ncr_scene_frame(s->world->scene)},
+    };
+    const ncr_bake_opts opts = {
+        .struct_size = sizeof opts,
+        .object = s->object,
+        .grid = {.points = o->points        ? o->points
+                           : o->spacing > 0 ? 0
+                                            : s->preset->points,
+                 .spacing = o->spacing,
+                 .epsilon = epsilon},
+        .map = {.resolution = o->map ? o->map : s->preset->map, .occlusion = occlusion},
+        .cube = o->cube ? o->cube : s->preset->cube[0],
+        .depth = o->depth,
+    };
+    status = ncr_bake(&a->ctx, &s->tracer, &opts, open_field, &target, baked, report);
+    const double began = app_seconds();
+    if (status == NCR_OK)
+        status = ncr_field_writer_finish(&a->ctx, target.writer, bytes);
+    else
+        ncr_field_writer_abandon(&a->ctx, target.writer);
+    *write = app_seconds() - began;
+    return status;
+}
+
+static void say_summary(const bake_options *o, const stage *s, const ncr_baked *baked,
+                        const ncr_bake_report *r, uint64_t bytes, double total)
+{
+    const app *a = &o->common;
+    app_say(a, "%s: %zu points at %g units, %u patches, %.1f MB in %.1f s -> %s",
+            ncr_scene_object_name(s->world->scene, s->object), baked->points.count,
+            o->epsilon > 0 ? o->epsilon : s->preset->epsilon[0], baked->map.patch_count,
+            1e-6 * (double)bytes, total, o->field);
+    app_say(a, "light %.1f s, place %.1f s, maps %.2f s, capture %.1f s (%.0f M rays)",
+            s->light.seconds, r->seconds.place, r->seconds.maps, r->seconds.capture,
+            1e-6 * (double)stage_rays(&r->capture.rays));
+    app_say(a, "removed: %zu inside a solid, %zu blocked, %zu without a normal",
+            r->place.removed_inside, r->place.removed_blocked, r->place.removed_no_normal);
+    app_say(a, "texels: %u, buried %u, short of four %u, uncovered %u", r->total.texels,
+            r->total.buried, r->total.short_of_four, r->total.uncovered);
+}
+
+static ncr_status run_bake(const bake_options *o)
+{
+    const app *a = &o->common;
+    const double began = app_seconds();
+    stage s;
+    ncr_baked baked = {0};
+    ncr_bake_report report = {0};
+    uint64_t bytes = 0;
+    double write = 0;
+
+    ncr_status status = check_words(o, &a->ctx);
+    if (status == NCR_OK)
+        status = stage_open(a, o->scene, o->preset, o->object, &s);
+    if (status != NCR_OK)
+        return status;
+    status = bake_field(o, &s, &baked, &report, &bytes, &write);
+    if (status == NCR_OK) {
+        const double total = app_seconds() - began;
+        say_summary(o, &s, &baked, &report, bytes, total);
+        app_print_json(a, summary(&s, &baked, &report, bytes, write, total));
+    }
+    ncr_baked_dispose(&a->ctx, &baked);
+    stage_close(a, &s);
+    return status;
+}
+
+int verb_bake(int argc, char **argv)
+{
+    bake_options o = {0};
+    const option options[] = {
+        {"--output", 'o', OPTION_TEXT, &o.field, "FIELD", "the folder to write (required)"},
+        {"--preset", 0, OPTION_TEXT, &o.preset, "NAME", "quick, mid or thesis (default mid)"},
+        {"--object", 0, OPTION_TEXT, &o.object, "NAME", "which object (default: the scene's)"},
+        {"--points", 0, OPTION_COUNT, &o.points, "N", "sample points wanted"},
+        {"--spacing", 0, OPTION_NUMBER, &o.spacing, "S", "or the distance between them"},
+        {"--placement", 0, OPTION_TEXT, &o.placement, "RULE", "grid (the default)"},
+        {"--epsilon", 0, OPTION_NUMBER, &o.epsilon, "E", "offset above the surface, model units"},
+        {"--cube", 0, OPTION_COUNT, &o.cube, "N", "texels per cube face side"},
+        {"--map", 0, OPTION_COUNT, &o.map, "N", "sample map texels per patch side, a power of 2"},
+        {"--half", 0, OPTION_FLAG, &o.half, NULL, "store half radiance (the default)"},
+        {"--float", 0, OPTION_FLAG, &o.is_float, NULL, "store float radiance"},
+        {"--depth", 0, OPTION_FLAG, &o.depth, NULL, "store the distance of each texel too"},
+        {"--occlusion", 0, OPTION_TEXT, &o.occlusion, "off|on", "keep only points seen freely"},
+        {"--memory", 0, OPTION_NUMBER, &o.memory, "BYTES", "refuse a larger field"},
+        APP_OPTIONS(&o.common),
+    };
+    const command_line line = {
+        .usage = "nacre bake SCENE -o FIELD [options]",
+        .summary = "Capture the light about an object of a scene into a field on disk.",
+        .example = "nacre bake data/scenes/gazebo.json --preset mid -o out/teapot.field",
+        .options = options,
+        .word_count = 1,
+        .word_names = {"SCENE"},
+        .words = &o.scene,
+    };
+    const parse_result parsed = command_line_parse(&line, argc, argv);
+    if (parsed != PARSE_OK)
+        return parsed == PARSE_HELP ? EXIT_DONE : EXIT_USAGE;
+    if (!o.field)
+        return command_line_missing("-o FIELD");
+    app_begin(&o.common);
+    return app_exit_code(run_bake(&o));
+}

@@ -1,0 +1,200 @@
+/* SPDX-License-Identifier: MIT
+ * verb_info.c - nacre info: what a scene, field, image or patch file holds, and by what
+ * conventions it is to be read. */
+#include "apps/app.h"
+#include "apps/verbs.h"
+
+#include <float.h>
+#include <math.h>
+#include <string.h>
+#include <sys/stat.h>
+
+typedef struct info_options {
+    app common;
+    const char *file;
+    bool verify;
+} info_options;
+
+static const char *const conventions[] = {
+    "right-handed, +Z up in shipped scenes; lengths in the scene's model units",
+    "radiance is linear, scene-referred, Rec. 709 primaries",
+    "texel centres at +0.5; row 0 is the top row",
+    "cube faces +X -X +Y -Y +Z -Z, oriented as OpenGL and KTX do, axes the world's",
+    "a patch is P(u,v), u along the fast control index; dP/du x dP/dv points outward",
+    "distances stored with light are radial, in frame units; infinity is the sky",
+};
+
+static bool has_suffix(const char *path, const char *suffix)
+{
+    const size_t n = strlen(path), m = strlen(suffix);
+    return n >= m && !strcmp(path + n - m, suffix);
+}
+
+static json_t *convention_list(void)
+{
+    json_t *list = json_array();
+    for (size_t k = 0; k < sizeof conventions / sizeof conventions[0]; k++)
+        json_array_append_new(list, json_string(conventions[k]));
+    return list;
+}
+
+static ncr_status describe_field(const info_options *o, json_t *out)
+{
+    const app *a = &o->common;
+    ncr_field field = {0};
+    const ncr_status status = ncr_field_read(&a->ctx, o->file, o->verify, &field);
+    if (status != NCR_OK)
+        return status;
+    const size_t bytes = ncr_lightfield_bytes(field.light);
+    app_say(a, "field of object %s: %zu points, cubes 6x%ux%u, offset %g", field.object,
+            field.points.count, field.cube, field.cube, field.epsilon);
+    app_say(a, "sample maps: %u patches on %u pages of %ux%u; light in memory %.1f MB",
+            field.map.patch_count, field.map.page_count, field.map.page_width,
+            field.map.page_height, 1e-6 * (double)bytes);
+    app_say(a, "baked from scene %s%s", field.scene_hash, o->verify ? "; checksums agree" : "");
+    json_object_update_new(out, json_pack("{s:s, s:s, s:I, s:i, s:f, s:i, s:I, s:s, s:b}", "kind",
+                                          "field", "object", field.object, "points",
+                                          (json_int_t)field.points.count, "cube", (int)field.cube,
+                                          "epsilon", field.epsilon, "patches",
+                                          (int)field.map.patch_count, "bytes", (json_int_t)bytes,
+                                          "scene", field.scene_hash, "verified", (int)o->verify));
+    ncr_field_dispose(&a->ctx, &field);
+    return NCR_OK;
+}
+
+static ncr_status describe_scene(const info_options *o, json_t *out)
+{
+    const app *a = &o->common;
+    ncr_scene_file *file;
+    const ncr_status status = ncr_scene_file_load(&a->ctx, o->file, &file);
+    if (status != NCR_OK)
+        return status;
+    const ncr_world *world = ncr_scene_file_world(file);
+    const ncr_scene *scene = world->scene;
+    json_t *objects = json_array();
+    for (uint32_t k = 0; k < ncr_scene_object_count(scene); k++) {
+        const uint32_t patches = ncr_surface_patch_count(ncr_scene_object_surface(scene, k));
+        app_say(a, "  %-24s %6u patches %8zu triangles", ncr_scene_object_name(scene, k), patches,
+                ncr_scene_triangle_count(scene, k));
+        json_array_append_new(objects,
+                              json_pack("{s:s, s:i, s:I}", "name", ncr_scene_object_name(scene, k),
+                                        "patches", (int)patches, "triangles",
+                                        (json_int_t)ncr_scene_triangle_count(scene, k)));
+    }
+    const uint32_t subject = ncr_scene_file_subject(file);
+    app_say(a, "scene %s: %u objects, %zu triangles, %zu area lights, %zu cameras, to bake: %s",
+            ncr_scene_file_hash(file), ncr_scene_object_count(scene),
+            ncr_scene_triangle_count(scene, NCR_NONE), world->light_count,
+            ncr_scene_file_camera_count(file),
+            subject == NCR_NONE ? "nothing" : ncr_scene_object_name(scene, subject));
+    json_object_update_new(out, json_pack("{s:s, s:s, s:o, s:I, s:I}", "kind", "scene", "hash",
+                                          ncr_scene_file_hash(file), "objects", objects, "lights",
+                                          (json_int_t)world->light_count, "cameras",
+                                          (json_int_t)ncr_scene_file_camera_count(file)));
+    ncr_scene_file_destroy(&a->ctx, file);
+    return NCR_OK;
+}
+
+static ncr_status describe_patches(const info_options *o, json_t *out)
+{
+    const app *a = &o->common;
+    ncr_patch_set set;
+    ncr_surface *surface = NULL;
+    ncr_status status = ncr_patch_file_read(&a->ctx, o->file, &set);
+    if (status != NCR_OK)
+        return status;
+    status = ncr_surface_create_bezier(&a->ctx, set.count, (const double(*)[16][3])set.control,
+                                       NULL, &surface);
+    ncr_patch_set_dispose(&a->ctx, &set);
+    if (status != NCR_OK)
+        return status;
+    const uint32_t count = ncr_surface_patch_count(surface);
+    double min[3], max[3], area = 0;
+    ncr_surface_bounds(surface, min, max);
+    for (uint32_t k = 0; k < count; k++)
+        area += ncr_surface_patch_area(surface, k, NULL);
+    app_say(a, "%u bicubic Bezier patches, area %.9g", count, area);
+    app_say(a, "control points in x %g..%g  y %g..%g  z %g..%g", min[0], max[0], min[1], max[1],
+            min[2], max[2]);
+    json_object_update_new(out, json_pack("{s:s, s:i, s:f, s:[f,f,f], s:[f,f,f]}", "kind",
+                                          "patches", "patches", (int)count, "area", area, "min",
+                                          min[0], min[1], min[2], "max", max[0], max[1], max[2]));
+    ncr_surface_destroy(&a->ctx, surface);
+    return NCR_OK;
+}
+
+static ncr_status describe_image(const info_options *o, json_t *out)
+{
+    const app *a = &o->common;
+    ncr_image image;
+    uint64_t nonfinite = 0;
+    const ncr_status status = ncr_image_read(&a->ctx, o->file, &image, &nonfinite);
+    if (status != NCR_OK)
+        return status;
+    float low = FLT_MAX, high = -FLT_MAX;
+    ncr_sum sum = {0};
+    const size_t count = (size_t)image.width * image.height * image.channels;
+    for (size_t k = 0; k < count; k++) {
+        low = fminf(low, image.data[k]);
+        high = fmaxf(high, image.data[k]);
+        ncr_sum_add(&sum, image.data[k]);
+    }
+    const double mean = ncr_sum_value(&sum) / (double)count;
+    app_say(a, "image %ux%u, %u channels, linear values %g..%g, mean %g, %llu not finite",
+            image.width, image.height, image.channels, (double)low, (double)high, mean,
+            (unsigned long long)nonfinite);
+    json_object_update_new(out, json_pack("{s:s, s:i, s:i, s:i, s:f, s:f, s:f, s:I}", "kind",
+                                          "image", "width", (int)image.width, "height",
+                                          (int)image.height, "channels", (int)image.channels, "min",
+                                          (double)low, "max", (double)high, "mean", mean,
+                                          "nonfinite", (json_int_t)nonfinite));
+    ncr_image_dispose(&a->ctx, &image);
+    return NCR_OK;
+}
+
+static ncr_status describe(const info_options *o, json_t *out)
+{
+    struct stat st;
+    if (stat(o->file, &st) != 0)
+        return ncr_fail(&o->common.ctx, NCR_E_IO, "%s: no such file", o->file);
+    if (S_ISDIR(st.st_mode))
+        return describe_field(o, out);
+    if (has_suffix(o->file, ".json"))
+        return describe_scene(o, out);
+    if (has_suffix(o->file, ".patches"))
+        return describe_patches(o, out);
+    return describe_image(o, out);
+}
+
+int verb_info(int argc, char **argv)
+{
+    info_options o = {0};
+    const option options[] = {
+        {"--verify", 0, OPTION_FLAG, &o.verify, NULL, "compare a field's checksums too"},
+        APP_OPTIONS(&o.common),
+    };
+    const command_line line = {
+        .usage = "nacre info FILE [options]",
+        .summary = "Say what a scene, field, image or patch file holds, and its conventions.",
+        .example = "nacre info out/teapot.field --verify",
+        .options = options,
+        .word_count = 1,
+        .word_names = {"FILE"},
+        .words = &o.file,
+    };
+    const parse_result parsed = command_line_parse(&line, argc, argv);
+    if (parsed != PARSE_OK)
+        return parsed == PARSE_HELP ? EXIT_DONE : EXIT_USAGE;
+    app_begin(&o.common);
+    json_t *out = json_pack("{s:s, s:s, s:o}", "schema", "nacre.info/1", "file", o.file,
+                            "conventions", convention_list());
+    const ncr_status status = describe(&o, out);
+    if (status == NCR_OK) {
+        for (size_t k = 0; k < sizeof conventions / sizeof conventions[0]; k++)
+            app_say(&o.common, "  %s", conventions[k]);
+        app_print_json(&o.common, out);
+    } else {
+        json_decref(out);
+    }
+    return app_exit_code(status);
+}

@@ -1,0 +1,264 @@
+/* SPDX-License-Identifier: MIT
+ * verb_render.c - nacre render: one view, one method, one image. */
+#include "apps/verbs.h"
+#include "apps/view.h"
+
+#include <string.h>
+
+typedef struct render_options {
+    app common;
+    const char *scene, *image, *mask, *method, *recon, *term, *field, *camera, *preset, *object;
+    uint32_t size[2], cube, depth_levels, supersample;
+    double exposure;
+    bool object_only;
+} render_options;
+
+/* Everything a render holds; closed as one. */
+typedef struct render_job {
+    const render_options *o;
+    stage s;
+    view v;
+    ncr_field field;
+    ncr_lightfield *probe_light;
+    ncr_probe probe;
+    ncr_image image;
+    ncr_shade_stats stats;
+} render_job;
+
+static ncr_status parse_term(const app *a, const char *text, ncr_term *out)
+{
+    static const char *const terms[] = {"full", "recon", "reflect"};
+    *out = NCR_TERM_FULL;
+    for (int k = 0; text && k < 3; k++)
+        if (!strcmp(text, terms[k])) {
+            *out = (ncr_term)k;
+            return NCR_OK;
+        }
+    if (!text)
+        return NCR_OK;
+    const char *nearest = ncr_nearest_word(text, 3, terms);
+    return ncr_fail(&a->ctx, NCR_E_ARG, "--term %s: expected recon, reflect or full%s%s%s", text,
+                    nearest ? "; did you mean " : "", nearest ? nearest : "", nearest ? "?" : "");
+}
+
+static bool named(const ncr_method *method, const char *name)
+{
+    return method->name && !strcmp(method->name, name);
+}
+
+static bool needs_probe(const ncr_method *method)
+{
+    return named(method, "envmap") || named(method, "proxy");
+}
+
+/* The field's own object and frame must be this scene's. */
+static ncr_status read_field(render_job *job)
+{
+    const app *a = &job->o->common;
+    const ncr_status status = ncr_field_read(&a->ctx, job->o->field, false, &job->field);
+    if (status != NCR_OK)
+        return status;
+    job->s.object = ncr_scene_find(job->s.world->scene, job->field.object);
+    if (job->s.object == NCR_NONE)
+        return ncr_fail(&a->ctx, NCR_E_FORMAT, "%s was baked for object %s, which %s does not have",
+                        job->o->field, job->field.object, job->o->scene);
+    if (strcmp(job->field.scene_hash, ncr_scene_file_hash(job->s.file)))
+        app_say(a, "note: %s was baked from an earlier state of %s", job->o->field, job->o->scene);
+    return NCR_OK;
+}
+
+static uint32_t cube_size(const render_job *job)
+{
+    if (job->o->cube)
+        return job->o->cube;
+    return job->o->field ? job->field.cube : job->s.preset->cube[0];
+}
+
+static ncr_status prepare(render_job *job, const ncr_method *method, ncr_shading_inputs *inputs)
+{
+    const app *a = &job->o->common;
+    const bool traces = needs_probe(method) || named(method, "trace") || !job->o->object_only;
+    ncr_status status = traces ? stage_light(a, &job->s) : NCR_OK;
+    if (status == NCR_OK && needs_probe(method))
+        status = ncr_probe_capture(&a->ctx, &job->s.tracer, job->s.object, cube_size(job),
+                                   &job->probe_light, &job->probe);
+    if (status != NCR_OK)
+        return status;
+    job->s.tracer.mirror_depth = job->o->depth_levels ? job->o->depth_levels : 1;
+    if (job->o->depth_levels > 1)
+        job->s.tracer.diffuse_object = NCR_NONE;
+    *inputs = (ncr_shading_inputs){
+        .object = job->s.object,
+        .frame = ncr_scene_frame(job->s.world->scene),
+        .probe = job->probe_light ? &job->probe : NULL,
+        .tracer = traces ? &job->s.tracer : NULL,
+    };
+    if (job->o->field) {
+        inputs->points = &job->field.points;
+        inputs->map = &job->field.map;
+        inputs->light = job->field.light;
+    }
+    return NCR_OK;
+}
+
+static ncr_status open_view(render_job *job)
+{
+    const render_options *o = job->o;
+    const ncr_camera *camera;
+    const ncr_status status =
+        ncr_scene_file_find_camera(&o->common.ctx, job->s.file, o->camera, &camera);
+    if (status != NCR_OK)
+        return status;
+    const uint32_t factor = o->supersample ? o->supersample : 1;
+    const uint32_t *size = o->size[0] ? o->size : NULL;
+    const uint32_t pixels[2] = {factor * (size ? size[0] : job->s.preset->width),
+                                factor * (size ? size[1] : job->s.preset->height)};
+    return view_open(&o->common, &job->s, camera, pixels, false, &job->v);
+}
+
+static ncr_status shade(render_job *job, const ncr_method *method, const ncr_method *recon,
+                        ncr_term term)
+{
+    const app *a = &job->o->common;
+    ncr_shading_inputs inputs;
+    ncr_status status = prepare(job, method, &inputs);
+    if (status == NCR_OK)
+        status =
+            ncr_image_init(&a->ctx, job->v.gbuffer.width, job->v.gbuffer.height, 3, &job->image);
+    if (status == NCR_OK && !job->o->object_only)
+        status = ncr_background_trace(&a->ctx, &job->s.tracer, job->v.camera, &job->v.gbuffer,
+                                      job->s.object, &job->image);
+    if (status != NCR_OK)
+        return status;
+    const ncr_material *material = &job->s.world->materials[job->s.object];
+    return ncr_method_shade(&a->ctx, method, term, job->o->recon ? recon : NULL, material->specular,
+                            &inputs, &job->v.gbuffer, &job->image, &job->stats);
+}
+
+static ncr_status write_mask(const render_job *job)
+{
+    const app *a = &job->o->common;
+    ncr_image mask;
+    ncr_status status =
+        ncr_image_init(&a->ctx, job->v.gbuffer.width, job->v.gbuffer.height, 1, &mask);
+    if (status != NCR_OK)
+        return status;
+    const size_t pixels = (size_t)mask.width * mask.height;
+    for (size_t k = 0; k < pixels; k++)
+        mask.data[k] = job->v.gbuffer.object[k] == job->s.object;
+    status = ncr_image_write(&a->ctx, job->o->mask, &mask, NULL);
+    ncr_image_dispose(&a->ctx, &mask);
+    return status;
+}
+
+static ncr_status write_files(render_job *job)
+{
+    const app *a = &job->o->common;
+    const double exposure =
+        job->o->exposure > 0 ? job->o->exposure : ncr_scene_file_exposure(job->s.file);
+    const uint32_t factor = job->o->supersample ? job->o->supersample : 1;
+    ncr_status status = job->o->mask ? write_mask(job) : NCR_OK;
+    if (status == NCR_OK)
+        status = view_shrink(a, &job->image, factor);
+    if (status == NCR_OK)
+        status = ncr_image_write(&a->ctx, job->o->image, &job->image,
+                                 NCR_OPTS(ncr_image_write_opts, .exposure = exposure));
+    return status;
+}
+
+static void say_result(const render_job *job, const ncr_method *method, const char *term,
+                       double total)
+{
+    const app *a = &job->o->common;
+    const ncr_shade_stats *st = &job->stats;
+    app_say(a, "%s: %llu pixels of %s by %s in %.3f s, %llu look-ups, %llu rays -> %s", term,
+            (unsigned long long)st->shaded,
+            ncr_scene_object_name(job->s.world->scene, job->s.object), job->o->method, st->seconds,
+            (unsigned long long)st->lookups, (unsigned long long)st->rays, job->o->image);
+    app_print_json(a, json_pack("{s:s, s:s, s:s, s:I, s:I, s:{s:f, s:f, s:f, s:f}, s:I, s:I, s:I, "
+                                "s:I}",
+                                "schema", "nacre.render/1", "method", job->o->method, "term", term,
+                                "pixels", (json_int_t)job->v.gbuffer.width * job->v.gbuffer.height,
+                                "shaded", (json_int_t)st->shaded, "seconds", "light",
+                                job->s.light.seconds, "gbuffer", job->v.stats.seconds, "shade",
+                                st->seconds, "total", total, "lookups", (json_int_t)st->lookups,
+                                "rays", (json_int_t)st->rays, "fallbacks",
+                                (json_int_t)st->fallbacks, "trapped", (json_int_t)st->trapped));
+    (void)method;
+}
+
+static ncr_status run_render(const render_options *o)
+{
+    const app *a = &o->common;
+    const double began = app_seconds();
+    render_job job = {.o = o};
+    ncr_method method, recon = {0};
+    ncr_term term;
+
+    ncr_status status = ncr_method_find(&a->ctx, o->method, &method);
+    if (status == NCR_OK && o->recon)
+        status = ncr_method_find(&a->ctx, o->recon, &recon);
+    if (status == NCR_OK)
+        status = parse_term(a, o->term, &term);
+    if (status == NCR_OK)
+        status = stage_open(a, o->scene, o->preset, o->object, &job.s);
+    if (status == NCR_OK && o->field)
+        status = read_field(&job);
+    if (status == NCR_OK)
+        status = open_view(&job);
+    if (status == NCR_OK)
+        status = shade(&job, &method, &recon, term);
+    if (status == NCR_OK)
+        status = write_files(&job);
+    if (status == NCR_OK)
+        say_result(&job, &method, o->term ? o->term : "full", app_seconds() - began);
+
+    ncr_image_dispose(&a->ctx, &job.image);
+    ncr_lightfield_destroy(&a->ctx, job.probe_light);
+    ncr_field_dispose(&a->ctx, &job.field);
+    view_close(a, &job.v);
+    stage_close(a, &job.s);
+    return status;
+}
+
+int verb_render(int argc, char **argv)
+{
+    render_options o = {0};
+    const option options[] = {
+        {"--output", 'o', OPTION_TEXT, &o.image, "IMAGE", ".png, .exr or .hdr (required)"},
+        {"--method", 0, OPTION_TEXT, &o.method, "NAME[:N]", "shading method (required)"},
+        {"--term", 0, OPTION_TEXT, &o.term, "TERM", "recon, reflect or full (default full)"},
+        {"--recon", 0, OPTION_TEXT, &o.recon, "NAME", "reconstruction under a full term"},
+        {"--field", 0, OPTION_TEXT, &o.field, "FIELD", "a baked field: what OSLF methods read"},
+        {"--camera", 0, OPTION_TEXT, &o.camera, "NAME", "a camera of the scene (default: first)"},
+        {"--size", 0, OPTION_SIZE, o.size, "WxH", "image size (default: the preset's)"},
+        {"--preset", 0, OPTION_TEXT, &o.preset, "NAME", "quick, mid or thesis (default mid)"},
+        {"--object", 0, OPTION_TEXT, &o.object, "NAME", "which object (default: the scene's)"},
+        {"--cube", 0, OPTION_COUNT, &o.cube, "N", "face size of envmap and proxy"},
+        {"--depth-levels", 0, OPTION_COUNT, &o.depth_levels, "K", "mirror bounces of trace"},
+        {"--supersample", 0, OPTION_COUNT, &o.supersample, "N", "N x N rays per pixel, averaged"},
+        {"--exposure", 0, OPTION_NUMBER, &o.exposure, "X", "PNG exposure (default: the scene's)"},
+        {"--object-only", 0, OPTION_FLAG, &o.object_only, NULL, "leave the background black"},
+        {"--mask", 0, OPTION_TEXT, &o.mask, "IMAGE", "also write where the object is seen"},
+        APP_OPTIONS(&o.common),
+    };
+    const command_line line = {
+        .usage = "nacre render SCENE --method NAME[:N] -o IMAGE [options]",
+        .summary = "Draw a view of a scene, its object shaded by one method.",
+        .example = "nacre render data/scenes/gazebo.json --method cosine-n:4 --field "
+                   "out/teapot.field -o out/teapot.png",
+        .options = options,
+        .word_count = 1,
+        .word_names = {"SCENE"},
+        .words = &o.scene,
+    };
+    const parse_result parsed = command_line_parse(&line, argc, argv);
+    if (parsed != PARSE_OK)
+        return parsed == PARSE_HELP ? EXIT_DONE : EXIT_USAGE;
+    if (!o.image)
+        return command_line_missing("-o IMAGE");
+    if (!o.method)
+        return command_line_missing("--method NAME");
+    app_begin(&o.common);
+    return app_exit_code(run_render(&o));
+}

@@ -1,0 +1,106 @@
+#!/usr/bin/env bash
+# SPDX-License-Identifier: MIT
+# The command's manners: exit codes, sentences, JSON members, nothing written on failure, and the
+# path bake -> render -> compare -> info on a small scene.   check_command.sh NACRE SOURCE_FOLDER
+set -euo pipefail
+nacre=$(realpath "$1")
+cd "$2"
+work=$(mktemp -d)
+trap 'rm -rf "$work"' EXIT
+failures=0
+
+# expect CODE PATTERN command...: exit code, and a pattern that stderr must hold
+expect() {
+    local code=$1 pattern=$2 got=0
+    shift 2
+    "$nacre" "$@" >"$work/out" 2>"$work/err" </dev/null || got=$?
+    if [ $got -ne "$code" ] || ! grep -qE -- "$pattern" "$work/err"; then
+        echo "nacre $*: exit $got (expected $code), stderr (expected /$pattern/):" >&2
+        cat "$work/err" >&2
+        failures=$((failures + 1))
+    fi
+}
+
+# member FILE PATH...: the JSON file has these members (dots descend)
+member() {
+    local file=$1
+    shift
+    for path in "$@"; do
+        jq -e "getpath(\"$path\" | split(\".\")) != null" "$file" >/dev/null ||
+            { echo "$file: no $path" >&2; failures=$((failures + 1)); }
+    done
+}
+
+scene=data/scenes/spheres.json
+
+# Usage.
+expect 2 "unknown verb bakee; did you mean bake" bakee
+expect 2 "unknown option --pionts; did you mean --points" bake $scene -o "$work/f" --pionts 3
+expect 2 "SCENE is missing" bake
+expect 2 "-o FIELD is missing" bake $scene
+expect 2 "one word too many" info a b
+expect 2 "--points x: expected a whole number" bake $scene -o "$work/f" --points x
+expect 2 "--size 3: expected a size" render $scene --method trace -o "$work/a.png" --size 3
+expect 2 "did you mean .cosine-" render $scene --method cosine-m:4 -o "$work/a.png"
+expect 2 "did you mean reflect" render $scene --method trace --term reflct -o "$work/a.png"
+expect 2 "exclude each other" bake $scene -o "$work/f" --half --float
+expect 2 "--object|no such object" bake $scene -o "$work/f" --object nothing
+expect 2 "camera" render $scene --method trace --camera nowhere -o "$work/a.png"
+expect 2 "preset" bake $scene -o "$work/f" --preset quik
+for verb in bake render compare report info; do
+    "$nacre" $verb --help | grep -q "^example:" || { echo "$verb --help" >&2; failures=$((failures + 1)); }
+done
+
+# Files.
+expect 3 "no/such" bake no/such.json -o "$work/f"
+expect 3 "no/such" compare no/such.png no/other.png
+expect 3 "no such" info no/such.exr
+echo '{ "nacre": 1, ' >"$work/broken.json"
+expect 4 "broken.json:[0-9]+:[0-9]+" bake "$work/broken.json" -o "$work/f"
+echo '{ "nacre": 1, "objets": [] }' >"$work/member.json"
+expect 4 "objets.*objects" bake "$work/member.json" -o "$work/f"
+echo 'nacre patches 1
+points 1
+0 0 nan
+' >"$work/bad.patches"
+expect 4 "bad.patches:3" info "$work/bad.patches"
+echo 'not an image' >"$work/a.exr"
+expect 4 "a.exr" info "$work/a.exr"
+expect 3 "" render $scene --preset quick --method trace -o "$work/no/such/folder/a.png"
+expect 5 "--memory" bake $scene --preset quick -o "$work/f" --memory 1000
+[ ! -e "$work/f" ] && [ ! -e "$work/f.partial" ] || { echo "a failed bake left something" >&2; failures=$((failures + 1)); }
+
+# The path.
+expect 0 "points" bake $scene --preset quick -o "$work/s.field" --json
+cp "$work/out" "$work/bake.json"
+member "$work/bake.json" schema object points patches texels texels_short_of_four texels_uncovered bytes \
+    seconds.place seconds.maps seconds.capture seconds.write seconds.total rays omitted
+expect 0 "field of object" info "$work/s.field" --verify
+for method in trace envmap proxy distance angle average cosine-r:4 cosine-n:4 abs-r:4; do
+    expect 0 "pixels" render $scene --preset quick --field "$work/s.field" --method $method \
+        --term reflect --object-only -o "$work/${method%:*}.exr" --mask "$work/mask.png" --json
+done
+cp "$work/out" "$work/render.json"
+member "$work/render.json" schema method term pixels shaded seconds.gbuffer seconds.shade seconds.total \
+    lookups rays fallbacks trapped
+for method in nearest average4; do
+    expect 0 "pixels" render $scene --preset quick --field "$work/s.field" --method $method \
+        --term recon --object-only -o "$work/$method.exr"
+done
+expect 0 "RMSE" compare "$work/trace.exr" "$work/cosine-n.exr" --mask "$work/mask.png" --json
+cp "$work/out" "$work/compare.json"
+member "$work/compare.json" schema pixels nonfinite rmse.R rmse.G rmse.B rmse.L rmse.a rmse.b \
+    rmse_clipped.R gradient_rmse max_jump max_abs flip
+expect 0 "RMSE  L\* 0.0000" compare "$work/trace.exr" "$work/trace.exr" --max-rmse 0.001
+expect 1 "RMSE" compare "$work/trace.exr" "$work/envmap.exr" --mask "$work/mask.png" --max-rmse 0.001
+expect 2 "field" render $scene --preset quick --method angle -o "$work/a.png"
+
+# A damaged field is noticed.
+cp -r "$work/s.field" "$work/t.field"
+printf 'x' | dd of="$work/t.field/charts.bin" bs=1 seek=9 conv=notrunc status=none
+expect 4 "charts.bin" info "$work/t.field" --verify
+truncate -s -100 "$work/t.field/radiance.exr"
+expect 4 "t.field" info "$work/t.field"
+
+[ $failures -eq 0 ] && echo "all as it should be"
+exit $((failures > 0))
