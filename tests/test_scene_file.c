@@ -151,6 +151,30 @@ static void cameras_and_presets_are_found_by_name(void **state)
     ncr_scene_file_destroy(&ctx, file);
 }
 
+static void shipped_scenes_are_whole_and_of_moderate_size(void **state)
+{
+    (void)state;
+    static const char *const paths[] = {"data/scenes/gazebo.json", "data/scenes/room.json",
+                                        "data/scenes/spheres.json"};
+    static const char *const presets[] = {"quick", "mid", "thesis"};
+    for (size_t k = 0; k < sizeof paths / sizeof *paths; k++) {
+        ncr_scene_file *file;
+        const ncr_camera *camera;
+        const ncr_preset *preset;
+        const ncr_status status = ncr_scene_file_load(&ctx, paths[k], &file);
+        CHECK(status == NCR_OK, "%s: %s", paths[k], last);
+        const ncr_scene *scene = ncr_scene_file_world(file)->scene;
+        assert_true(ncr_scene_file_subject(file) != NCR_NONE);
+        assert_true(ncr_scene_object_count(scene) < 60);
+        assert_true(ncr_scene_triangle_count(scene, NCR_NONE) < 600000);
+        CHECK_STATUS(NCR_OK, ncr_scene_file_find_camera(&ctx, file, "main", &camera));
+        assert_ptr_equal(camera, &ncr_scene_file_camera(file, 0)->camera);
+        for (int p = 0; p < 3; p++)
+            CHECK_STATUS(NCR_OK, ncr_scene_file_find_preset(&ctx, file, presets[p], &preset));
+        ncr_scene_file_destroy(&ctx, file);
+    }
+}
+
 /* --- what is refused -------------------------------------------------------------------------------- */
 
 static char *read_text(const char *path)
@@ -383,6 +407,7 @@ int main(void)
         cmocka_unit_test(the_baked_object_is_the_subject_and_can_be_hidden_by_mask),
         cmocka_unit_test(shapes_are_scaled_turned_moved_and_repeated_in_that_order),
         cmocka_unit_test(cameras_and_presets_are_found_by_name),
+        cmocka_unit_test(shipped_scenes_are_whole_and_of_moderate_size),
         cmocka_unit_test(every_mistake_is_named_with_its_place),
         cmocka_unit_test(a_missing_file_is_named),
         cmocka_unit_test(the_hash_changes_with_the_scene_and_with_the_patches_it_names),
