@@ -115,6 +115,19 @@ static void a_turned_profile_is_round_to_three_parts_in_ten_thousand(void **stat
     CHECK(worst < 2.8e-4 && worst > 2.6e-4, "roundness error %g", worst);
 }
 
+static void quarters_of_a_turned_profile_start_at_x_and_go_round_towards_y(void **state)
+{
+    (void)state;
+    static const double axis[4][2] = {{1, 0}, {0, 1}, {-1, 0}, {0, -1}};
+    double nets[12][16][3];
+    ncr_shape_revolve(3, vase, nets);
+    for (int k = 0; k < 12; k++)
+        for (int c = 0; c < 2; c++) {
+            CHECK_NEAR(nets[k][12][c], vase[k / 4][3][0] * axis[k % 4][c], 0);
+            CHECK_NEAR(nets[k][15][c], vase[k / 4][3][0] * axis[(k + 1) % 4][c], 0);
+        }
+}
+
 static void a_profile_going_up_has_its_outside_out(void **state)
 {
     (void)state;
@@ -261,6 +274,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(a_turned_profile_is_round_to_three_parts_in_ten_thousand),
+        cmocka_unit_test(quarters_of_a_turned_profile_start_at_x_and_go_round_towards_y),
         cmocka_unit_test(a_profile_going_up_has_its_outside_out),
         cmocka_unit_test(a_disc_faces_up_and_has_the_area_of_its_ring),
         cmocka_unit_test(a_box_has_its_volume_and_no_gaps),
