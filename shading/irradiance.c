@@ -1,243 +1,86 @@
 /* SPDX-License-Identifier: MIT */
 #include "shading/irradiance.h"
 
-#include "core/random.h"
 #include "core/vec_internal.h"
-#include "shading/area_light_internal.h"
-#include "shading/batch_internal.h"
+#include "shading/gather_internal.h"
 
 #include <math.h>
-#include <stdatomic.h>
 #include <string.h>
 #include <time.h>
 
-/* Radiosity by gathering. Each pass lets every site look at the world as the pass before has lit
- * it: the sky where nothing is, and where something is, its albedo times the stored irradiance
- * plus the sun. Early passes carry light from bounce to bounce and may be coarse; the last one
- * is what is kept. Lamps are summed exactly and shadowed by rays, once. */
+/* Radiosity by gathering, in three steps. Every site looks at the world along a few rays: what
+ * they bring of sky and sun, and which sites they meet, is written down. Light then goes from
+ * bounce to bounce over what was written down. Last, every site looks again, along more rays, at
+ * a world lit by the result, and that is kept. Lamps are summed exactly and shadowed by rays. */
 
-enum { early_rays = 64, lamp_rays = 64, sites_per_chunk = 16 };
+/* --- the steps --------------------------------------------------------------------------------- */
 
-typedef struct site_light {
-    float lamps[3], value[3];
-    bool buried, set;
-} site_light;
+enum { early_rays = 64, default_rays = 256, default_bounces = 16 };
+static const size_t most_link_bytes = (size_t)1 << 29;
 
-typedef struct gather_job {
-    ncr_irradiance *ir;
-    const node_layout *layout;
-    site_light *sites;
-    uint32_t rays;
-    uint64_t key;
-    bool first; /* find buried sites and light the others by lamps */
-    atomic_uint_least64_t traced;
-} gather_job;
-
-/* --- one site -------------------------------------------------------------------------------- */
-
-/* Directions k0.. of the site's cosine-weighted set. The set hangs on the place alone, and the
- * frame on the normal alone, so that neighbouring patches gather the same light on their border. */
-static void cosine_rays(ncr_vec3 n, uint32_t key, uint32_t k0, size_t count, float d[3][BATCH])
+/* Rays of the first look: fewer where there are so many sites that links would fill the memory. */
+static uint32_t first_rays(size_t sites, uint32_t last)
 {
-    ncr_vec3 s, t;
-    v_basis(n, &s, &t);
-    for (size_t k = 0; k < count; k++) {
-        float at[2];
-        ncr_sobol2(k0 + (uint32_t)k, key, at);
-        const float r = sqrtf(at[0]), angle = 6.28318531f * at[1], up = sqrtf(1.0f - at[0]);
-        const float x = r * cosf(angle), y = r * sinf(angle);
-        d[0][k] = x * s.x + y * t.x + up * n.x;
-        d[1][k] = x * s.y + y * t.y + up * n.y;
-        d[2][k] = x * s.z + y * t.z + up * n.z;
-    }
+    uint32_t rays = last < early_rays ? last : early_rays;
+    while (rays > 16 && sites * rays * sizeof(site_link) > most_link_bytes)
+        rays /= 2;
+    return rays;
 }
 
-typedef struct gathered {
-    double sum[3];
-    uint32_t from_behind; /* closed objects seen from the inside */
-} gathered;
-
-static void gather_batch(gather_job *job, ncr_vec3 o, ncr_vec3 n, uint32_t key, uint32_t k0,
-                         size_t count, gathered *out)
-{
-    float origin[3][BATCH], d[3][BATCH], light[3][BATCH];
-    float *const rgb[3] = {light[0], light[1], light[2]};
-    batch_hits hits;
-    uint64_t shadow_rays = 0;
-    cosine_rays(n, key, k0, count, d);
-    for (size_t k = 0; k < count; k++)
-        origin[0][k] = o.x, origin[1][k] = o.y, origin[2][k] = o.z;
-    const ncr_rays rays = {
-        .ox = origin[0], .oy = origin[1], .oz = origin[2], .dx = d[0], .dy = d[1], .dz = d[2]};
-    ncr_batch_trace(job->ir->world->scene, count, &rays, &hits);
-    ncr_batch_shade(job->ir, count, &rays, &hits, LIGHT_GATHERED, NULL, rgb, &shadow_rays);
-    for (size_t k = 0; k < count; k++) {
-        for (int c = 0; c < 3; c++)
-            out->sum[c] += (double)light[c][k];
-        if (hits.object[k] != NCR_NONE && job->ir->objects[hits.object[k]].closed)
-            out->from_behind +=
-                hits.g[0][k] * d[0][k] + hits.g[1][k] * d[1][k] + hits.g[2][k] * d[2][k] > 0;
-    }
-    atomic_fetch_add_explicit(&job->traced, count + shadow_rays, memory_order_relaxed);
-}
-
-static void light_by_lamps(gather_job *job, ncr_vec3 o, ncr_vec3 n, uint32_t key, float out[3])
-{
-    const ncr_world *world = job->ir->world;
-    double p[3], normal[3];
-    uint64_t rays = 0;
-    v_to_d(o, p);
-    v_to_d(n, normal);
-    for (size_t k = 0; k < world->light_count; k++) {
-        const ncr_area_light *light = &world->lights[k];
-        double e = ncr_area_light_irradiance(light, p, normal);
-        if (e > 0)
-            e *= ncr_area_light_visible(world->scene, light, p, normal,
-                                        (double)job->ir->objects[light->object].lift, lamp_rays,
-                                        key + (uint32_t)k, &rays);
-        for (int c = 0; c < 3; c++)
-            out[c] += (float)(e * (double)light->radiance[c]);
-    }
-    atomic_fetch_add_explicit(&job->traced, rays, memory_order_relaxed);
-}
-
-/* A site that sees solids from the inside is probably in one; the winding number decides. */
-static bool is_buried(const gather_job *job, ncr_vec3 o, const gathered *g)
-{
-    double p[3];
-    v_to_d(o, p);
-    return 4 * g->from_behind > job->rays && ncr_scene_inside(job->ir->world->scene, p) != NCR_NONE;
-}
-
-static void gather_site(gather_job *job, size_t k)
+/* value = lamps + gathered where a site is free, and its neighbours' where it is not; then the
+ * nodes, which look-ups read, take it over. */
+static ncr_status publish(const ncr_ctx *ctx, const gather_job *job, size_t *buried)
 {
     const node_layout *l = job->layout;
-    site_light *site = &job->sites[k];
-    const ncr_vec3 n = l->normal[k];
-    const ncr_vec3 o = v_mad(l->place[k], job->ir->objects[l->owner[k]].lift, n);
-    const uint32_t key = (uint32_t)ncr_hash64(l->key[k], job->key);
-    gathered g = {0};
-    if (site->buried || !(v_dot(n, n) > 0)) {
-        site->buried = true;
-        return;
-    }
-    for (uint32_t k0 = 0; k0 < job->rays; k0 += BATCH)
-        gather_batch(job, o, n, key, k0, job->rays - k0 < BATCH ? job->rays - k0 : BATCH, &g);
-    if (job->first) {
-        site->buried = is_buried(job, o, &g);
-        light_by_lamps(job, o, n, key, site->lamps);
-    }
-    for (int c = 0; c < 3; c++)
-        site->value[c] = (float)(3.14159265358979 * g.sum[c] / job->rays) + site->lamps[c];
-}
-
-static void gather_range(size_t begin, size_t end, unsigned worker, void *arg)
-{
-    (void)worker;
-    for (size_t k = begin; k < end; k++)
-        gather_site(arg, k);
-}
-
-/* --- all sites ------------------------------------------------------------------------------- */
-
-/* Mean of the set sites about node (i,j) of a patch, straight neighbours before diagonal ones. */
-static bool mean_about(const node_layout *l, const site_light *sites, const node_grid *g,
-                       uint32_t i, uint32_t j, double sum[3])
-{
-    double weight = 0;
-    for (uint32_t y = j ? j - 1 : 0; y <= j + 1 && y < g->nv; y++)
-        for (uint32_t x = i ? i - 1 : 0; x <= i + 1 && x < g->nu; x++) {
-            const site_light *near = &sites[l->site[g->first + y * g->nu + x]];
-            if (!near->set)
-                continue;
-            const double w = x == i || y == j ? 1.0 : 0.5;
-            for (int c = 0; c < 3; c++)
-                sum[c] += w * (double)near->value[c];
-            weight += w;
-        }
-    for (int c = 0; c < 3 && weight > 0; c++)
-        sum[c] /= weight;
-    return weight > 0;
-}
-
-typedef struct spread_sum {
-    double rgb[3];
-    uint32_t count;
-} spread_sum;
-
-/* One ring of buried sites takes the mean of its neighbours that have a value. */
-static size_t spread_ring(const node_layout *l, site_light *sites, spread_sum *sums)
-{
-    size_t reached = 0;
-    for (size_t p = 0; p < l->patch_count; p++) {
-        const node_grid *g = &l->grids[p];
-        for (uint32_t j = 0; j < g->nv; j++)
-            for (uint32_t i = 0; i < g->nu; i++) {
-                const uint32_t site = l->site[g->first + j * g->nu + i];
-                double mean[3] = {0, 0, 0};
-                if (sites[site].set || !mean_about(l, sites, g, i, j, mean))
-                    continue;
-                for (int c = 0; c < 3; c++)
-                    sums[site].rgb[c] += mean[c];
-                sums[site].count++;
-            }
-    }
     for (size_t k = 0; k < l->site_count; k++)
-        if (sums[k].count) {
-            for (int c = 0; c < 3; c++)
-                sites[k].value[c] = (float)(sums[k].rgb[c] / sums[k].count);
-            sites[k].set = true;
-            sums[k] = (spread_sum){0};
-            reached++;
-        }
-    return reached;
+        for (int c = 0; c < 3; c++)
+            job->sites[k].value[c] = job->sites[k].lamps[c] + job->sites[k].gathered[c];
+    const ncr_status status = ncr_sites_spread(ctx, l, job->sites, buried);
+    for (size_t k = 0; status == NCR_OK && k < l->node_count; k++)
+        memcpy(job->ir->node[k], job->sites[l->site[k]].value, sizeof job->sites->value);
+    return status;
 }
 
-/* Buried sites take the light of the nearest free ones, ring by ring, across patches: a look-up
- * beside the line where a handle enters a body then does not mix in the dark of the inside. */
-static size_t spread(const node_layout *l, site_light *sites, spread_sum *sums)
+static ncr_status carry_bounces(const ncr_ctx *ctx, const gather_job *job, uint32_t bounces)
 {
-    size_t buried = 0;
-    for (size_t k = 0; k < l->site_count; k++) {
-        sites[k].set = !sites[k].buried;
-        buried += sites[k].buried;
-        for (int c = 0; sites[k].buried && c < 3; c++)
-            sites[k].value[c] = 0;
+    const size_t count = job->layout->site_count;
+    size_t buried;
+    float(*next)[3] = ncr_alloc(ctx, count * sizeof *next);
+    ncr_status status = next ? publish(ctx, job, &buried) : NCR_E_NOMEM;
+    for (uint32_t k = 1; status == NCR_OK && k < bounces; k++) {
+        status = ncr_gather_bounce(ctx, job, next);
+        for (size_t s = 0; status == NCR_OK && s < count; s++)
+            memcpy(job->sites[s].value, next[s], sizeof *next);
+        if (status == NCR_OK)
+            status = ncr_sites_spread(ctx, job->layout, job->sites, &buried);
     }
-    for (size_t left = buried; left;) {
-        const size_t reached = spread_ring(l, sites, sums);
-        if (!reached) /* patches that are buried as a whole stay dark */
-            break;
-        left -= reached;
-    }
-    return buried;
+    for (size_t k = 0; status == NCR_OK && k < job->layout->node_count; k++)
+        memcpy(job->ir->node[k], job->sites[job->layout->site[k]].value, sizeof job->sites->value);
+    ncr_free(ctx, next);
+    return status;
 }
 
-static void publish(const node_layout *l, const site_light *sites, float (*node)[4])
+static ncr_status run_steps(const ncr_ctx *ctx, gather_job *job, const ncr_irradiance_opts *opts,
+                            size_t *buried)
 {
-    for (size_t k = 0; k < l->node_count; k++)
-        memcpy(node[k], sites[l->site[k]].value, sizeof sites->value);
-}
-
-static ncr_status run_passes(const ncr_ctx *ctx, gather_job *job, const ncr_irradiance_opts *opts,
-                             ncr_irradiance_stats *stats)
-{
-    const uint32_t early = opts->bounces ? opts->bounces : 4;
-    const uint32_t last_rays = opts->rays ? opts->rays : 256;
-    spread_sum *sums = ncr_alloc_zero(ctx, job->layout->site_count, sizeof *sums);
-    ncr_status status = sums ? NCR_OK : NCR_E_NOMEM;
-    for (uint32_t pass = 0; status == NCR_OK && pass <= early; pass++) {
-        job->first = pass == 0;
-        job->rays = pass == early ? last_rays : last_rays < early_rays ? last_rays : early_rays;
-        job->key = ncr_hash64(pass, opts->seed);
-        status = ncr_parallel_for(ctx, job->layout->site_count, sites_per_chunk, gather_range, job);
-        if (status == NCR_OK) {
-            stats->buried = spread(job->layout, job->sites, sums);
-            publish(job->layout, job->sites, job->ir->node);
-        }
-        ncr_progress(ctx, "irradiance", (pass + 1.0) / (early + 1.0));
-    }
-    ncr_free(ctx, sums);
+    const uint32_t last_rays = opts->rays ? opts->rays : default_rays;
+    job->key = opts->seed;
+    job->rays = first_rays(job->layout->site_count, last_rays);
+    job->links = ncr_alloc_zero(ctx, job->layout->site_count, job->rays * sizeof *job->links);
+    ncr_status status = job->links ? ncr_gather(ctx, job) : NCR_E_NOMEM;
+    ncr_progress(ctx, "irradiance", 0.25);
+    if (status == NCR_OK)
+        status = carry_bounces(ctx, job, opts->bounces ? opts->bounces : default_bounces);
+    ncr_free(ctx, job->links);
+    job->links = NULL;
+    job->rays = last_rays;
+    if (status == NCR_OK)
+        status = ncr_gather(ctx, job);
+    if (status == NCR_OK)
+        status = ncr_sites_smooth(ctx, job->layout, job->sites);
+    if (status == NCR_OK)
+        status = publish(ctx, job, buried);
+    ncr_progress(ctx, "irradiance", 1);
     return status;
 }
 
@@ -304,7 +147,7 @@ static ncr_status compute(const ncr_ctx *ctx, ncr_irradiance *ir, const ncr_irra
     job.sites = ncr_alloc_zero(ctx, layout.site_count, sizeof *job.sites);
     ir->node = ncr_alloc_zero(ctx, layout.node_count, sizeof *ir->node);
     ir->grids = layout.grids;
-    status = job.sites && ir->node ? run_passes(ctx, &job, opts, stats) : NCR_E_NOMEM;
+    status = job.sites && ir->node ? run_steps(ctx, &job, opts, &stats->buried) : NCR_E_NOMEM;
     stats->nodes = layout.node_count;
     stats->rays = atomic_load(&job.traced);
     layout.grids = NULL; /* now the irradiance's own */

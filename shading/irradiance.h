@@ -22,7 +22,7 @@ typedef struct ncr_irradiance_opts {
                           objects get smaller spacing in proportion to sqrt(size); 0: 1/100 of the
                           longest side of the world */
     uint32_t rays;    /* per node in the last pass, a power of two; 0: 256 */
-    uint32_t bounces; /* passes of 64 rays before the last one; 0: 4 */
+    uint32_t bounces; /* diffuse bounces before the last gathering, cheap; 0: 16 */
     uint64_t seed;
 } ncr_irradiance_opts;
 

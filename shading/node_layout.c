@@ -9,7 +9,7 @@
 #include <string.h>
 
 enum { side_max = 1025, line_steps = 8 };
-static const double turn_max = 0.196; /* radians between nodes: a cosine is then linear to 0.5 % */
+static const double turn_max = 0.2618; /* 15 degrees between nodes: a cosine is then linear to 0.9 % */
 
 /* An edge by what does not depend on which patch it is seen from: its ends in a fixed order and
  * its middle, on a lattice. `class` is the row of counts it asks for: 2 patch + (0: u, 1: v). */

@@ -170,7 +170,7 @@ static void integrating_sphere_sums_a_geometric_series(void **state)
         world_close(&w, &dark);
         assert_int_equal(w.world.light_count, 2);
         world_light(
-            &w, NCR_OPTS(ncr_irradiance_opts, .spacing = 0.25, .rays = 512, .bounces = bounces));
+            &w, NCR_OPTS(ncr_irradiance_opts, .spacing = 0.197, .rays = 512, .bounces = bounces));
         const double keep = 1 - lamp / sphere, direct = 10 * pi * lamp / sphere;
         double want = 0, term = albedo;
         for (uint32_t k = 0; k < bounces; k++, term *= albedo * keep)
