@@ -16,6 +16,7 @@ typedef enum ncr_fate {
     NCR_FATE_NO_NORMAL, /* the surface has no normal there */
     NCR_FATE_INSIDE,    /* in a solid */
     NCR_FATE_BLOCKED,   /* something lies between foot and point, or the offset does not fit */
+    NCR_FATE_COUNT,
 } ncr_fate;
 
 /* How far points are lifted. */

@@ -14,15 +14,17 @@ typedef struct ncr_grid_opts {
                            1156 points, as the thesis */
     double epsilon;     /* offset, model units; 0: 1/30 of the object's widest side */
     double horizon_deg; /* 0: 85 */
-    unsigned probe;     /* texels per side at which coverage is judged; 0: 32 */
+    unsigned probe;     /* texels per side at which coverage is judged, a power of two; 0: 32 */
     unsigned raise_cap; /* a patch's density may be raised to this factor; 0: 4 */
+    bool fit_offset;    /* shorten the offset where space is tight, to
+                           min(epsilon, 0.45 clearance, 0.5 / k_max), instead of removing */
 } ncr_grid_opts;
 
 /** What placement did, and what it threw away. */
 typedef struct ncr_place_report {
     size_t candidates;        /* grid nodes before removal */
     size_t removed_inside;    /* inside a solid (winding number above 1/2) */
-    size_t removed_blocked;   /* something lies between foot and point */
+    size_t removed_blocked;   /* something lies between foot and point, or nothing fits */
     size_t removed_no_normal; /* the surface has no normal there */
     size_t raised_patches;    /* patches denser than the spacing asks, for coverage */
     size_t capped_patches;    /* patches that met the cap with texels still short of four */
@@ -34,8 +36,11 @@ typedef struct ncr_place_report {
  * epsilon, a patch's density raised until every texel of it that is not buried in a solid has four
  * points within the horizon angle, or the cap is met.                        [T 3.2, T 6.3]
  *
- * @return  NCR_E_ARG, NCR_E_LIMIT (more than 65535 points), NCR_E_DEGENERATE (none is left),
- *          NCR_E_NOMEM, NCR_E_CANCELLED
+ * Patches without area get no points. When `points` is wanted, the spacing whose number of kept
+ * points comes nearest is searched for: symmetric objects grow by several points at a time.
+ *
+ * @return  NCR_E_ARG (also an epsilon below 2^-20 of the object), NCR_E_LIMIT (more than 65535 points),
+ *          NCR_E_DEGENERATE (none is left), NCR_E_NOMEM, NCR_E_CANCELLED
  *
  * Points are in order of patch, v, u. Same input, same points, for any number of workers.
  */

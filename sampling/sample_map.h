@@ -16,7 +16,8 @@ typedef struct ncr_chart {
     uint32_t x, y, width, height; /* texels */
 } ncr_chart;
 
-/** A set of square-ish pages that hold every chart without overlap; sides at most 4096. */
+/** A set of pages, square as near as may be, that hold every chart without overlap; sides at most
+ *  4096. */
 typedef struct ncr_sample_map {
     uint32_t patch_count, page_count;
     ncr_chart *charts;                /* [patch_count], in patch order */
@@ -32,12 +33,15 @@ typedef struct ncr_sample_map_opts {
     bool occlusion;      /* also require the segment from texel to point to be free */
 } ncr_sample_map_opts;
 
-/** Per patch: how well the points cover it. Buried texels (centre inside a solid) are filled like
- *  any other but not counted as short or uncovered. */
+/** Per patch: how well the points cover it. A texel is buried when its centre, lifted off the
+ *  surface by a few chord tolerances, lies in a solid: nobody sees it, so it keeps the nearest
+ *  points whether their way is free or not, and counts in nothing below but `texels`. */
 typedef struct ncr_coverage {
-    uint32_t texels, buried;
-    uint32_t short_of_four, uncovered; /* fewer than 4, fewer than 1 candidate */
-    uint32_t blocked;                  /* texels with a stored point whose segment is not free */
+    uint32_t texels; /* that have a normal: all, but for patches without area */
+    uint32_t buried;
+    uint32_t short_of_four; /* fewer than four points */
+    uint32_t uncovered;     /* no point at all */
+    uint32_t blocked;       /* with a stored point whose segment is not free */
 } ncr_coverage;
 
 /** What making a map cost. */
@@ -51,13 +55,17 @@ typedef struct ncr_sample_map_stats {
  *
  *     C = { p : n.(p - x) > cos(horizon) |p - x| },  keep the four smallest (|p - x|^2, index)
  *
- * @param coverage  [patch count] or NULL. `blocked` is counted only when this is wanted or
- *                  `occlusion` is on, since it costs rays.
- * @return          NCR_E_ARG (resolution not a power of two or above 4096, angle outside (0,90]),
- *                  NCR_E_LIMIT, NCR_E_NOMEM, NCR_E_CANCELLED
+ * With `occlusion` a point must also be in free sight of the texel: candidates are tried in rising
+ * distance until four are found.
  *
- * Distances are exact double sums over float coordinates; ties go to the lower index. The result
- * is the same for any number of workers and any instruction set.
+ * @param coverage  [patch count] or NULL; it costs up to four rays a texel, as `occlusion` does
+ * @return          NCR_E_ARG (resolution not a power of two or above 4096, angle outside (0,90]),
+ *                  NCR_E_LIMIT (more than 65535 points), NCR_E_NOMEM, NCR_E_CANCELLED
+ *
+ * Distances are double sums over float coordinates, in one order; ties go to the lower index. The
+ * result is the same for any number of workers and any instruction set (with `occlusion`: as far
+ * as the ray tracer's answers are). A map of 28 x 256^2 texels over 1156 points takes some 30 ms
+ * of one AVX-512 core, with `occlusion` or `coverage` 0.9 s, nearly all of it rays.
  */
 NCR_API ncr_status ncr_sample_map_build(const ncr_ctx *ctx, const ncr_scene *scene, uint32_t object,
                                         const ncr_points *points, const ncr_sample_map_opts *opts,
