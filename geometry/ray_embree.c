@@ -221,15 +221,19 @@ static void intersect_single(RTCScene scene, struct RTCIntersectContext *context
     b->r.hit.geomID[k] = one.hit.geomID;
 }
 
-/* A hit that contradicts its own ray is a miss. `not (...)` so that NaN is one too.    [S-02] */
+/* A hit that contradicts its own ray is a miss. `not (...)` so that NaN is one too. A ray through
+ * an edge that two triangles share hits one of them a few ulp outside: that hit is moved onto the
+ * edge, not dropped.                                                                   [S-02] */
 static void drop_inconsistent(block *b, const ncr_rays *rays, size_t at, size_t lanes)
 {
     for (size_t k = 0; k < lanes; k++) {
         const float t = b->r.ray.tfar[k], far = rays->tmax ? rays->tmax[at + k] : INFINITY;
         const float u = b->r.hit.u[k], v = b->r.hit.v[k];
-        if (!(t >= b->r.ray.tnear[k] && t <= far && t <= 3.4e38f && u >= 0 && v >= 0 &&
+        if (!(t >= b->r.ray.tnear[k] && t <= far && t <= 3.4e38f && u >= -1e-4f && v >= -1e-4f &&
               u + v <= 1.0001f))
             b->r.hit.geomID[k] = RTC_INVALID_GEOMETRY_ID;
+        b->r.hit.u[k] = u > 0 ? u : 0;
+        b->r.hit.v[k] = v > 0 ? v : 0;
     }
 }
 
