@@ -82,8 +82,8 @@ static void points_stand_epsilon_above_their_feet(void **state)
         assert_true(p->epsilon == .125);
         assert_true(p->clearance == INFINITY);
         d_mad(p->position, -p->epsilon, p->normal, foot);
-        CHECK_NEAR(d_length(foot), 1, 3e-4); /* the cubic ball's radius */
-        CHECK_NEAR(d_length(p->position), 1.125, 3e-4);
+        CHECK_NEAR(d_length(foot), 1, 6e-4); /* twice 2.73e-4: profile and circle */
+        CHECK_NEAR(d_length(p->position), 1.125, 6e-4);
     }
     ncr_points_dispose(NULL, &points);
     ncr_scene_destroy(NULL, scene);
@@ -172,7 +172,7 @@ static void the_teapot_gets_sound_points_tip_and_bottom_included(void **state)
         highest = fmax(highest, p->position[2]);
         lowest = fmin(lowest, p->position[2]);
     }
-    CHECK_NEAR(highest, 3.15 + .1, .01); /* the knob ends at 3.15 */
+    CHECK_NEAR(highest, 3.15 + .1, .03); /* the knob ends at 3.15 */
     CHECK_NEAR(lowest, -.1, .01);
     /* The ends of handle and spout stick in the body; their points there are taken out. */
     CHECK(report.removed_inside >= 8, "%zu removed", report.removed_inside);
@@ -504,7 +504,10 @@ static void faulty_release(void *user, void *ptr, size_t size)
 static void a_failed_allocation_anywhere_leaks_nothing(void **state)
 {
     (void)state;
-    ncr_scene *scene = solid_scene(solid_sphere());
+    double nets[1][16][3];
+    const double corner[3] = {0, 0, 0}, u[3] = {1, 0, 0}, v[3] = {0, 1, 0};
+    ncr_shape_quad(corner, u, v, nets);
+    ncr_scene *scene = scene_of(1, nets);
     ncr_status status = NCR_E_NOMEM;
     for (int at = 1; status != NCR_OK; at++) {
         faulty f = {.fail_at = at};
