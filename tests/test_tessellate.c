@@ -201,6 +201,68 @@ static void no_point_is_farther_than_the_chord(void **state)
     }
 }
 
+/* Distance of the patch from the triangle at the same parameter, inside and on its edges. */
+static double interpolation_gap(const ncr_surface *surface, const ncr_mesh *m, size_t t)
+{
+    static const double weights[4][3] = {
+        {1 / 3.0, 1 / 3.0, 1 / 3.0}, {0.5, 0.5, 0}, {0, 0.5, 0.5}, {0.5, 0, 0.5}};
+    double worst = 0;
+    for (int s = 0; s < 4; s++) {
+        double p[3] = {0}, uv[2] = {0}, gap[3];
+        ncr_surface_point at;
+        for (int i = 0; i < 3; i++) {
+            const uint32_t c = m->corner[t][i];
+            for (int k = 0; k < 3; k++)
+                p[k] += weights[s][i] * (double)m->position[c][k];
+            for (int k = 0; k < 2; k++)
+                uv[k] += weights[s][i] * (double)m->uv[c][k];
+        }
+        ncr_surface_eval(surface, m->patch[t], uv[0], uv[1], &at);
+        d_sub(at.p, p, gap);
+        worst = fmax(worst, d_length(gap));
+    }
+    return worst;
+}
+
+static void check_interpolation(const ncr_surface *surface, double chord)
+{
+    ncr_mesh mesh = mesh_of(surface, chord);
+    for (size_t t = 0; t < mesh.triangle_count; t++) {
+        const double gap = interpolation_gap(surface, &mesh, t);
+        CHECK(gap <= (double)mesh.chord, "%g of %g", gap, (double)mesh.chord);
+    }
+    ncr_mesh_dispose(NULL, &mesh);
+}
+
+static void every_triangle_keeps_the_chord_at_its_parameter(void **state)
+{
+    (void)state;
+    for (uint64_t seed = 1; seed <= 40; seed++) {
+        ncr_surface *surface = solid_uneven_sphere(seed);
+        check_interpolation(surface, 0.004);
+        ncr_surface_destroy(NULL, surface);
+    }
+}
+
+/* A sheet that rises from a straight border to a wave. Two flat sheets, numbered before and after
+ * it, share the straight border, which for them needs no points but its ends. */
+static void a_straight_border_of_a_wavy_patch_keeps_the_chord(void **state)
+{
+    (void)state;
+    double nets[3][16][3];
+    const double x[3] = {1, 0, 0}, y[3] = {0, 1, 0};
+    ncr_shape_quad((double[3]){0, -1, 0}, x, y, &nets[0]);
+    ncr_shape_quad((double[3]){0, 0, 0}, x, y, &nets[1]);
+    ncr_shape_quad((double[3]){0, -1, 0}, x, y, &nets[2]);
+    for (int i = 0; i < 4; i++) {
+        nets[1][4 * i + 1][2] = 0.5 * i / 3;
+        nets[1][4 * i + 2][2] = -0.5 * i / 3;
+    }
+    ncr_surface *surface = solid_surface(3, nets);
+    check_interpolation(surface, 0.004);
+    ncr_surface_destroy(NULL, surface);
+}
+
 static void a_chord_out_of_reach_is_reported_as_it_is(void **state)
 {
     (void)state;
@@ -320,6 +382,8 @@ int main(void)
         cmocka_unit_test(neighbours_with_different_grids_have_no_cracks),
         cmocka_unit_test(triangles_tile_the_parameter_square_without_folds),
         cmocka_unit_test(no_point_is_farther_than_the_chord),
+        cmocka_unit_test(every_triangle_keeps_the_chord_at_its_parameter),
+        cmocka_unit_test(a_straight_border_of_a_wavy_patch_keeps_the_chord),
         cmocka_unit_test(a_chord_out_of_reach_is_reported_as_it_is),
         cmocka_unit_test(triangles_face_outward_also_in_a_mirror),
         cmocka_unit_test(patches_without_area_get_no_triangles),

@@ -70,10 +70,14 @@ static void expansions_stay_within_the_tolerance(void **state)
 {
     (void)state;
     check_random r = {.seed = 17};
-    ncr_scene *scene = solid_scene(solid_from_file("data/teapot.patches"));
+    ncr_surface *surface = solid_from_file("data/teapot.patches");
+    const ncr_object_desc object = {.surface = surface, .chord = 0.01};
+    ncr_scene *scene = NULL;
+    CHECK_STATUS(NCR_OK, ncr_scene_create(NULL, 1, &object, NULL, &scene));
+    ncr_surface_destroy(NULL, surface);
     const ncr_object *teapot = &scene->objects[0];
     double worst[2] = {0};
-    for (int k = 0; k < 50; k++) {
+    for (int k = 0; k < 100; k++) {
         double p[3];
         ncr_surface_point at;
         const uint32_t patch = (uint32_t)check_uniform(&r, 0, 32);
@@ -96,6 +100,55 @@ static void expansions_stay_within_the_tolerance(void **state)
     }
     /* Looser must be sloppier, or the tree is not used at all. */
     assert_true(worst[1] > 1e-9);
+    ncr_scene_destroy(NULL, scene);
+}
+
+/* What is left out begins with the third moments: it falls as the fifth power of the distance. An
+ * error in a moment would leave a fourth power or less. */
+static void expansions_converge_with_the_fifth_power_of_distance(void **state)
+{
+    (void)state;
+    check_random r = {.seed = 71};
+    double nets[sphere_patches][16][3];
+    solid_sphere_nets(nets);
+    for (int i = 0; i < 16; i++)
+        nets[2][i][0] *= 1.3; /* no symmetry that could make moments vanish */
+    ncr_surface *surface = NULL;
+    ncr_mesh mesh;
+    ncr_winding *winding = NULL;
+    CHECK_STATUS(NCR_OK,
+                 ncr_surface_create_bezier(NULL, 3, (const double(*)[16][3])nets, NULL, &surface));
+    CHECK_STATUS(NCR_OK, ncr_mesh_create(NULL, surface, 0.01, &mesh));
+    CHECK_STATUS(NCR_OK, ncr_winding_create(NULL, &mesh, &winding));
+    assert_true(winding->levels > 1);
+    double error[3] = {0};
+    for (int k = 0; k < 40; k++) {
+        double d[3], p[3];
+        solid_direction(&r, d);
+        for (int far = 0; far < 3; far++) {
+            d_mad(winding->nodes[1].centre, ldexp(8, far), d, p);
+            const double got = ncr_winding_at(winding, p, 1, false);
+            error[far] = fmax(error[far], fabs(got - exact_winding(&mesh, p)));
+        }
+    }
+    CHECK(error[0] > 1e-8 && error[0] / error[1] > 27 && error[1] / error[2] > 27,
+          "errors %g %g %g", error[0], error[1], error[2]);
+    ncr_winding_destroy(NULL, winding);
+    ncr_mesh_dispose(NULL, &mesh);
+    ncr_surface_destroy(NULL, surface);
+}
+
+/* Two equal discs wind the space right below them once, but it is not inside anything. */
+static void nothing_outside_the_box_is_inside(void **state)
+{
+    (void)state;
+    double nets[8][16][3];
+    ncr_shape_disc(1, 0, nets);
+    ncr_shape_disc(1, 0, nets + 4);
+    ncr_scene *scene = solid_scene(solid_surface(8, nets));
+    const double below[3] = {0.01, 0.02, -0.01};
+    assert_true(ncr_scene_winding(scene, 0, below) > 0.9);
+    assert_int_equal(ncr_scene_inside(scene, below), NCR_NONE);
     ncr_scene_destroy(NULL, scene);
 }
 
@@ -202,6 +255,8 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(a_ball_is_wound_once_around_its_inside),
         cmocka_unit_test(expansions_stay_within_the_tolerance),
+        cmocka_unit_test(expansions_converge_with_the_fifth_power_of_distance),
+        cmocka_unit_test(nothing_outside_the_box_is_inside),
         cmocka_unit_test(an_open_disc_is_half_wound_on_its_back),
         cmocka_unit_test(handle_and_spout_reach_into_the_teapots_body),
     };
