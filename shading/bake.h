@@ -57,8 +57,8 @@ NCR_API void ncr_baked_dispose(const ncr_ctx *ctx, ncr_baked *baked);
  * taken out of view (not out of the light: its shadow stays).
  *
  * @param light  a new light field of one point, to be destroyed by the caller
- * @param probe  filled; borrows *light. The box is fitted to the captured distances: per side, the
- *               median of the hits that lie that way.
+ * @param probe  filled; borrows *light. The box is the one whose inverse
+ *               distances deviate least from those captured (proxy_box_internal.h).
  */
 NCR_API ncr_status ncr_probe_capture(const ncr_ctx *ctx, const ncr_tracer *tracer, uint32_t object,
                                      uint32_t n, ncr_lightfield **light, ncr_probe *probe);

@@ -2,9 +2,12 @@
 #include "core/vec_internal.h"
 #include "shading/bake.h"
 #include "shading/cube.h"
+#include "shading/cube_texel.h"
+#include "shading/proxy_box_internal.h"
 
 #include <math.h>
-#include <stdlib.h>
+
+enum { sight_side = 24 }; /* directions per face side that a box is fitted to: 24 to 48 */
 
 static uint32_t every_if_zero(uint32_t mask)
 {
@@ -43,45 +46,39 @@ static ncr_vec3 centre_of(const ncr_scene *scene, uint32_t object)
     return d_to_v(centre);
 }
 
-static int ascending(const void *a, const void *b)
+/* Every direction of the cube as the fit wants it. Large cubes are thinned: the box has six numbers.
+ * Frame units. */
+static size_t collect_sights(const ncr_lightfield *light, ncr_proxy_sight *sights)
 {
-    const float x = *(const float *)a, y = *(const float *)b;
-    return (x > y) - (x < y);
-}
-
-/* How far the surroundings are along one face's axis: the median over the texels that hit
- * something; infinite when none did. */
-static float side_distance(const ncr_lightfield *light, uint32_t face, float *scratch)
-{
-    const uint32_t n = ncr_lightfield_resolution(light);
+    const uint32_t n = ncr_lightfield_resolution(light), step = n > sight_side ? n / sight_side : 1;
     size_t count = 0;
-    for (uint32_t y = 0; y < n; y++)
-        for (uint32_t x = 0; x < n; x++) {
-            float rgb[3], z;
-            ncr_lightfield_texel(light, 0, face, x, y, rgb, &z);
-            const ncr_vec3 d = ncr_cube_texel_direction(n, face, x, y);
-            const float along = fmaxf(fabsf(d.x), fmaxf(fabsf(d.y), fabsf(d.z)));
-            if (z < INFINITY)
-                scratch[count++] = z * along;
-        }
-    if (!count)
-        return INFINITY;
-    qsort(scratch, count, sizeof *scratch, ascending);
-    return scratch[count / 2];
+    for (uint32_t face = 0; face < 6; face++)
+        for (uint32_t y = step / 2; y < n; y += step)
+            for (uint32_t x = step / 2; x < n; x += step) {
+                float rgb[3], z;
+                ncr_lightfield_texel(light, 0, face, x, y, rgb, &z);
+                const ncr_vec3 d = ncr_cube_texel_direction(n, face, x, y);
+                sights[count++] = (ncr_proxy_sight){{d.x, d.y, d.z},
+                                                    z > 0 && z < INFINITY ? 1.0f / z : 0.0f,
+                                                    (float)ncr_cube_texel_solid_angle(n, x, y)};
+            }
+    return count;
 }
 
 static ncr_status fit_box(const ncr_ctx *ctx, const ncr_lightfield *light, ncr_probe *probe)
 {
     const size_t n = ncr_lightfield_resolution(light);
-    float *scratch = ncr_alloc(ctx, n * n * sizeof *scratch);
-    if (!scratch)
+    const size_t side_max = n > 2 * sight_side ? 2 * sight_side : n; /* after thinning */
+    ncr_proxy_sight *sights = ncr_alloc(ctx, 6 * side_max * side_max * sizeof *sights);
+    if (!sights)
         return NCR_E_NOMEM;
-    float side[6];
-    for (uint32_t face = 0; face < 6; face++)
-        side[face] = side_distance(light, face, scratch);
-    ncr_free(ctx, scratch);
-    probe->box_max = v_add(probe->centre, v_make(side[0], side[2], side[4]));
-    probe->box_min = v_sub(probe->centre, v_make(side[1], side[3], side[5]));
+    float near[6], far[6];
+    ncr_proxy_box_fit(collect_sights(light, sights), sights, near);
+    ncr_free(ctx, sights);
+    for (int k = 0; k < 6; k++)
+        far[k] = near[k] > 0 ? 1.0f / near[k] : INFINITY;
+    probe->box_max = v_add(probe->centre, v_make(far[0], far[2], far[4]));
+    probe->box_min = v_sub(probe->centre, v_make(far[1], far[3], far[5]));
     return NCR_OK;
 }
 
