@@ -12,7 +12,7 @@
 
 enum { right = 1, down = 2 }; /* links to the next column and row */
 
-_Static_assert(2 * NCR_TILE_TEXELS <= NCR_SEGMENT_ROOM, "all links fit one call");
+_Static_assert(2 * NCR_MAP_TILE_TEXELS <= NCR_SEGMENT_ROOM, "all links fit one call");
 
 static void lifted_at(const ncr_sight *sight, const ncr_texel_tile *tile, uint32_t k, double p[3])
 {
@@ -50,7 +50,7 @@ static void trace_links(const ncr_sight *sight, const ncr_texel_tile *tile, cons
                 add_link(sight, tile, air, k, k + tile->side, scratch);
         }
     ncr_segments_trace(sight->scene, &scratch->segments);
-    memset(links, 0, NCR_TILE_TEXELS);
+    memset(links, 0, NCR_MAP_TILE_TEXELS);
     for (size_t s = 0; s < scratch->segments.count; s++)
         if (!scratch->segments.blocked[s])
             links[scratch->texel[s]] |= (uint8_t)scratch->point[s];
@@ -59,7 +59,7 @@ static void trace_links(const ncr_sight *sight, const ncr_texel_tile *tile, cons
 /* Give texel k's answer to all unknown ones that free links connect to it. */
 static void spread(uint32_t side, const uint8_t *links, uint32_t k, uint8_t *air)
 {
-    uint16_t stack[NCR_TILE_TEXELS];
+    uint16_t stack[NCR_MAP_TILE_TEXELS];
     uint32_t depth = 0;
     stack[depth++] = (uint16_t)k;
     while (depth > 0) {
@@ -80,7 +80,7 @@ void ncr_buried_find(const ncr_sight *sight, const ncr_texel_tile *tile, uint8_t
                      ncr_sight_scratch *scratch, ncr_tile_tally *tally)
 {
     const uint32_t texels = tile->side * tile->side;
-    uint8_t links[NCR_TILE_TEXELS];
+    uint8_t links[NCR_MAP_TILE_TEXELS];
     trace_links(sight, tile, air, scratch, links);
     tally->stats.rays += scratch->segments.count;
     for (uint32_t k = 0; k < texels; k++)

@@ -10,7 +10,7 @@
 
 #include <string.h>
 
-enum { block_side = 64, block_tiles = (block_side / NCR_TILE_SIDE) * (block_side / NCR_TILE_SIDE) };
+enum { block_side = 64, block_tiles = (block_side / NCR_MAP_TILE) * (block_side / NCR_MAP_TILE) };
 
 typedef struct worker_scratch {
     ncr_texel_tile tiles[block_tiles];
@@ -34,7 +34,7 @@ typedef struct map_job {
 static size_t eval_block(const map_job *job, uint32_t patch, uint32_t i0, uint32_t j0,
                          worker_scratch *s)
 {
-    const uint32_t side = job->side < NCR_TILE_SIDE ? job->side : NCR_TILE_SIDE;
+    const uint32_t side = job->side < NCR_MAP_TILE ? job->side : NCR_MAP_TILE;
     size_t count = 0;
     ncr_patch_net net;
     ncr_patch_net_init(&net, job->surface, patch);
@@ -75,7 +75,7 @@ static void map_block(const map_job *job, size_t block, worker_scratch *s)
         const ncr_texel_tile *tile = &s->tiles[t];
         const uint32_t i = i0 + (uint32_t)t % per_row * tile->side;
         const uint32_t j = j0 + (uint32_t)t / per_row * tile->side;
-        uint64_t four[NCR_TILE_TEXELS];
+        uint64_t four[NCR_MAP_TILE_TEXELS];
         ncr_candidates_select(&s->of_block, &s->bounds[t], job->sight.horizon, 4, &s->of_tile);
         job->kernel->nearest(tile, &s->of_tile, job->sight.horizon.cos2, four);
         tally->stats.candidates += s->of_tile.count * tile->side * tile->side;

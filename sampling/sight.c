@@ -9,7 +9,7 @@
 #include <string.h>
 
 enum { stored = 4, queue_room = 16 };
-_Static_assert(stored *NCR_TILE_TEXELS <= NCR_SEGMENT_ROOM, "a round of segments fits");
+_Static_assert(stored *NCR_MAP_TILE_TEXELS <= NCR_SEGMENT_ROOM, "a round of segments fits");
 
 /* A texel on its way to four free points. */
 typedef struct walker {
@@ -164,7 +164,7 @@ static void judge(const ncr_sight *sight, const ncr_texel_tile *tile, ncr_sight_
                   walker *walkers, ncr_tile_tally *tally)
 {
     const uint32_t texels = tile->side * tile->side;
-    uint8_t air[NCR_TILE_TEXELS];
+    uint8_t air[NCR_MAP_TILE_TEXELS];
     bool unknown = false;
     for (uint32_t k = 0; k < texels; k++)
         air[k] = has_normal(tile, k) ? NCR_AIR_UNKNOWN : NCR_AIR_NONE;
@@ -207,7 +207,7 @@ void ncr_sight_settle(const ncr_sight *sight, const ncr_texel_tile *tile,
                       const ncr_tile_bound *bound, uint64_t *four, ncr_sight_scratch *scratch,
                       ncr_tile_tally *tally)
 {
-    walker walkers[NCR_TILE_TEXELS];
+    walker walkers[NCR_MAP_TILE_TEXELS];
     memset(walkers, 0, sizeof walkers);
     trace_stored(sight, tile, four, scratch);
     tally->stats.rays += scratch->segments.count;

@@ -65,7 +65,7 @@ static void ask_again(const ncr_patch_net *net, double u, double v, ncr_texel_ti
 /* Make the count a multiple of what vectors hold by repeating the first texel. */
 static void pad(ncr_texel_tile *tile)
 {
-    for (uint32_t k = tile->side * tile->side; k % NCR_TILE_SIDE; k++)
+    for (uint32_t k = tile->side * tile->side; k % NCR_MAP_TILE; k++)
         for (int c = 0; c < 3; c++) {
             tile->x[c][k] = tile->x[c][0];
             tile->n[c][k] = tile->n[c][0];
@@ -75,7 +75,7 @@ static void pad(ncr_texel_tile *tile)
 void ncr_texel_tile_eval(const ncr_patch_net *net, uint32_t resolution, uint32_t i0, uint32_t j0,
                          uint32_t side, ncr_texel_tile *out)
 {
-    uint8_t doubtful[NCR_TILE_TEXELS];
+    uint8_t doubtful[NCR_MAP_TILE_TEXELS];
     ncr_tile_kernel_best()->eval(net, resolution, i0, j0, side, out, doubtful);
     for (uint32_t k = 0; k < side * side; k++)
         if (doubtful[k])

@@ -5,15 +5,15 @@
 
 #include "geometry/surface.h"
 
-enum { NCR_TILE_SIDE = 16, NCR_TILE_TEXELS = NCR_TILE_SIDE * NCR_TILE_SIDE };
+enum { NCR_MAP_TILE = 16, NCR_MAP_TILE_TEXELS = NCR_MAP_TILE * NCR_MAP_TILE };
 
 /* Coordinates are floats, rounded once from a double evaluation in one fixed order of operations,
  * so every processor makes the same ones. Texel k is at column k % side, row k / side; past
- * side^2, up to a multiple of NCR_TILE_SIDE, the first one is repeated. */
+ * side^2, up to a multiple of NCR_MAP_TILE, the first one is repeated. */
 typedef struct ncr_texel_tile {
     uint32_t side;
-    float x[3][NCR_TILE_TEXELS]; /* frame units */
-    float n[3][NCR_TILE_TEXELS]; /* unit, outward; 0 where the surface has none */
+    float x[3][NCR_MAP_TILE_TEXELS]; /* frame units */
+    float n[3][NCR_MAP_TILE_TEXELS]; /* unit, outward; 0 where the surface has none */
 } ncr_texel_tile;
 
 /* What holds for every texel of a tile, rounding included. */
@@ -38,7 +38,7 @@ typedef struct ncr_patch_net {
 void ncr_patch_net_init(ncr_patch_net *net, const ncr_surface *surface, uint32_t patch);
 
 /* Texels [i0, i0 + side) x [j0, j0 + side) of a chart of `resolution` per side; side a power of
- * two up to NCR_TILE_SIDE. */
+ * two up to NCR_MAP_TILE. */
 void ncr_texel_tile_eval(const ncr_patch_net *net, uint32_t resolution, uint32_t i0, uint32_t j0,
                          uint32_t side, ncr_texel_tile *out);
 

@@ -62,12 +62,12 @@ static void row_at(const ncr_patch_net *net, double v, row_net *row)
 
 /* The weights in u of one row of texels, the same for every row of the tile. */
 typedef struct column_weights {
-    double b[4][NCR_TILE_SIDE], q[3][NCR_TILE_SIDE];
+    double b[4][NCR_MAP_TILE], q[3][NCR_MAP_TILE];
 } column_weights;
 
 static void columns_at(uint32_t resolution, uint32_t i0, uint32_t side, column_weights *w)
 {
-    for (uint32_t i = 0; i < NCR_TILE_SIDE; i++) {
+    for (uint32_t i = 0; i < NCR_MAP_TILE; i++) {
         const double u = i < side ? (i0 + i + 0.5) / resolution : 0.5;
         double b[4], q[3];
         cubic(u, b);
@@ -80,16 +80,16 @@ static void columns_at(uint32_t resolution, uint32_t i0, uint32_t side, column_w
 }
 
 typedef struct row_values {
-    float x[3][NCR_TILE_SIDE], n[3][NCR_TILE_SIDE];
-    double du[3][NCR_TILE_SIDE], dv[3][NCR_TILE_SIDE];
-    double doubt[NCR_TILE_SIDE];
+    float x[3][NCR_MAP_TILE], n[3][NCR_MAP_TILE];
+    double du[3][NCR_MAP_TILE], dv[3][NCR_MAP_TILE];
+    double doubt[NCR_MAP_TILE];
 } row_values;
 
 static void eval_curves(const row_net *r, const column_weights *w, row_values *out)
 {
     for (int c = 0; c < 3; c++) {
         const double *p = r->p[c], *du = r->du[c], *dv = r->dv[c];
-        for (int i = 0; i < NCR_TILE_SIDE; i++) {
+        for (int i = 0; i < NCR_MAP_TILE; i++) {
             out->x[c][i] = (float)sum4(p[0] * w->b[0][i], p[1] * w->b[1][i], p[2] * w->b[2][i],
                                        p[3] * w->b[3][i]);
             out->du[c][i] = sum3(du[0] * w->q[0][i], du[1] * w->q[1][i], du[2] * w->q[2][i]);
@@ -103,7 +103,7 @@ static void eval_curves(const row_net *r, const column_weights *w, row_values *o
  * tangent below 1e-7 of the net's size, has lost more than float can hide: doubt is then > 0. */
 static void eval_normals(double sign, double size2, row_values *r)
 {
-    for (int i = 0; i < NCR_TILE_SIDE; i++) {
+    for (int i = 0; i < NCR_MAP_TILE; i++) {
         const double ax = r->du[0][i], ay = r->du[1][i], az = r->du[2][i];
         const double bx = r->dv[0][i], by = r->dv[1][i], bz = r->dv[2][i];
         const double nx = ay * bz - az * by, ny = az * bx - ax * bz, nz = ax * by - ay * bx;
@@ -120,7 +120,7 @@ static void eval_normals(double sign, double size2, row_values *r)
 }
 
 static void eval_tile(const ncr_patch_net *net, uint32_t resolution, uint32_t i0, uint32_t j0,
-                      uint32_t side, ncr_texel_tile *out, uint8_t doubtful[NCR_TILE_TEXELS])
+                      uint32_t side, ncr_texel_tile *out, uint8_t doubtful[NCR_MAP_TILE_TEXELS])
 {
     column_weights w;
     columns_at(resolution, i0, side, &w);

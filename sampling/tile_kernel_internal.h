@@ -12,7 +12,7 @@ typedef struct ncr_tile_kernel {
     /* Texels of a tile. doubtful[k] is set where the tangents are too short or too parallel for
      * the normal that was written. */
     void (*eval)(const ncr_patch_net *net, uint32_t resolution, uint32_t i0, uint32_t j0,
-                 uint32_t side, ncr_texel_tile *out, uint8_t doubtful[NCR_TILE_TEXELS]);
+                 uint32_t side, ncr_texel_tile *out, uint8_t doubtful[NCR_MAP_TILE_TEXELS]);
 
     void (*bound)(const ncr_texel_tile *tile, ncr_tile_bound *out);
 
@@ -23,7 +23,7 @@ typedef struct ncr_tile_kernel {
 
     /* The four nearest visible points of each texel: 16-bit indices, first in the low bits,
      * NCR_NO_POINT after the last; of equal distances the lower index first. `four` has room for
-     * NCR_TILE_TEXELS. */
+     * NCR_MAP_TILE_TEXELS. */
     void (*nearest)(const ncr_texel_tile *tile, const ncr_candidates *candidates, double cos2,
                     uint64_t *four);
 

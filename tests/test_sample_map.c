@@ -90,7 +90,7 @@ typedef struct texel {
 static texel *all_texels(const ncr_surface *surface, uint32_t resolution)
 {
     const uint32_t patches = ncr_surface_patch_count(surface);
-    const uint32_t side = resolution < NCR_TILE_SIDE ? resolution : NCR_TILE_SIDE;
+    const uint32_t side = resolution < NCR_MAP_TILE ? resolution : NCR_MAP_TILE;
     texel *out = calloc((size_t)patches * resolution * resolution, sizeof *out);
     assert_non_null(out);
     for (uint32_t patch = 0; patch < patches; patch++) {
@@ -403,9 +403,9 @@ static void compare_kernels(const ncr_tile_kernel *a, const ncr_tile_kernel *b,
                             const ncr_candidates *points)
 {
     static ncr_texel_tile tile[2]; /* zeros past the texels of a small tile */
-    uint8_t doubtful[2][NCR_TILE_TEXELS] = {0};
+    uint8_t doubtful[2][NCR_MAP_TILE_TEXELS] = {0};
     ncr_tile_bound bound[2];
-    uint64_t four[2][NCR_TILE_TEXELS];
+    uint64_t four[2][NCR_MAP_TILE_TEXELS];
     const ncr_horizon horizon = ncr_horizon_of(85);
     double *d = calloc(6 * points->count, sizeof *d);
     ncr_patch_net net;
@@ -447,7 +447,7 @@ static void every_instruction_set_makes_the_same_bits(void **state)
     }
     for (int level = NCR_CPU_AVX2; level <= (int)ncr_cpu_level(); level++)
         for (uint32_t patch = 0; patch < 28; patch++)
-            for (uint32_t side = 1; side <= NCR_TILE_SIDE; side *= 2)
+            for (uint32_t side = 1; side <= NCR_MAP_TILE; side *= 2)
                 compare_kernels(&ncr_tile_kernel_generic, sets[level - 1], surface, patch, side,
                                 &all);
     ncr_candidates_dispose(NULL, &all);
