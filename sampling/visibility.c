@@ -18,8 +18,8 @@ void ncr_segments_add(ncr_segments *s, double lift, const double p[3], const dou
 {
     double to[3];
     d_sub(x, p, to);
-    const double half = 0.5 * d_length(to); /* never past a point that is close */
-    d_mad(to, lift < half ? lift : half, n, to);
+    const double d2 = d_dot(to, to);
+    d_mad(to, 4 * lift * lift <= d2 ? lift : 0.5 * sqrt(d2), n, to); /* never past a close point */
     for (int c = 0; c < 3; c++) {
         s->o[c][s->count] = (float)p[c];
         s->d[c][s->count] = (float)to[c];
