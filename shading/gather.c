@@ -31,6 +31,7 @@ static void cosine_rays(ncr_vec3 n, uint32_t key, uint32_t k0, size_t count, flo
 typedef struct gathered {
     double sum[3], luminance, squares;
     uint32_t behind, behind_closed; /* hits on backs: of anything, of solids */
+    uint32_t near;                  /* hits within a quarter of the object's cell */
 } gathered;
 
 static void add_light(float *const rgb[3], size_t k, gathered *g)
@@ -43,14 +44,15 @@ static void add_light(float *const rgb[3], size_t k, gathered *g)
     g->squares += y * y;
 }
 
-static void count_back(const ncr_irradiance *ir, const batch_hits *h, const ncr_rays *rays,
-                       size_t k, gathered *g)
+static void count_hit(const ncr_irradiance *ir, const batch_hits *h, const ncr_rays *rays, size_t k,
+                      float cell, gathered *g)
 {
     if (h->object[k] == NCR_NONE)
         return;
     const float away =
         h->g[0][k] * rays->dx[k] + h->g[1][k] * rays->dy[k] + h->g[2][k] * rays->dz[k];
     g->behind += away > 0;
+    g->near += h->t[k] < 0.25f * cell;
     g->behind_closed += away > 0 && ir->objects[h->object[k]].closed;
 }
 
@@ -78,7 +80,7 @@ static site_link link_of(const gather_job *job, const batch_hits *h, const ncr_r
 }
 
 static void gather_batch(gather_job *job, ncr_vec3 o, ncr_vec3 n, uint32_t key, uint32_t k0,
-                         size_t count, site_link *links, gathered *out)
+                         size_t count, float cell, site_link *links, gathered *out)
 {
     float origin[3][BATCH], d[3][BATCH], light[3][BATCH];
     float *const rgb[3] = {light[0], light[1], light[2]};
@@ -93,7 +95,7 @@ static void gather_batch(gather_job *job, ncr_vec3 o, ncr_vec3 n, uint32_t key, 
     ncr_batch_shade(job->ir, count, &rays, &hits, LIGHT_GATHERED, NULL, rgb, &shadow_rays);
     for (size_t k = 0; k < count; k++) {
         add_light(rgb, k, out);
-        count_back(job->ir, &hits, &rays, k, out);
+        count_hit(job->ir, &hits, &rays, k, cell, out);
         if (links)
             links[k0 + k] = link_of(job, &hits, &rays, k);
     }
@@ -121,12 +123,14 @@ static void light_by_lamps(gather_job *job, ncr_vec3 o, ncr_vec3 n, uint32_t key
 }
 
 /* A site that sees solids from the inside is probably in one; the winding number decides. Sheets
- * have no inside, but what sees little more than backs is behind them. */
+ * have no inside, but what sees little more than backs is behind them. And a site in a gap much
+ * narrower than its cell, as under a cup on a table, would spread the dark of the gap over the
+ * cell's visible part. */
 static bool is_buried(const gather_job *job, ncr_vec3 o, const gathered *g)
 {
     double p[3];
     v_to_d(o, p);
-    return 4 * g->behind > 3 * job->rays ||
+    return 4 * g->behind > 3 * job->rays || 10 * g->near > 9 * job->rays ||
            (4 * g->behind_closed > job->rays &&
             ncr_scene_inside(job->ir->world->scene, p) != NCR_NONE);
 }
@@ -137,7 +141,8 @@ static void gather_site(gather_job *job, size_t k)
     site_light *site = &job->sites[k];
     site_link *links = job->links ? job->links + k * job->rays : NULL;
     const ncr_vec3 n = l->normal[k];
-    const ncr_vec3 o = v_mad(l->place[k], job->ir->objects[l->owner[k]].lift, n);
+    const object_light *object = &job->ir->objects[l->owner[k]];
+    const ncr_vec3 o = v_mad(l->place[k], object->lift, n);
     const uint32_t key = (uint32_t)ncr_hash64(l->key[k], job->key);
     gathered g = {0};
     site->buried |= !(v_dot(n, n) > 0);
@@ -147,8 +152,8 @@ static void gather_site(gather_job *job, size_t k)
         return;
     }
     for (uint32_t k0 = 0; k0 < job->rays; k0 += BATCH)
-        gather_batch(job, o, n, key, k0, job->rays - k0 < BATCH ? job->rays - k0 : BATCH, links,
-                     &g);
+        gather_batch(job, o, n, key, k0, job->rays - k0 < BATCH ? job->rays - k0 : BATCH,
+                     object->cell, links, &g);
     if (links) {
         site->buried = is_buried(job, o, &g);
         light_by_lamps(job, o, n, key, site->lamps);

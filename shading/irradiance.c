@@ -86,26 +86,14 @@ static ncr_status run_steps(const ncr_ctx *ctx, gather_job *job, const ncr_irrad
 
 /* --- making and reading ---------------------------------------------------------------------- */
 
-/* Rays start two chord tolerances off the triangles, and by what float can tell apart. */
-static void describe_objects(ncr_irradiance *ir)
+static double longest_side(const double lo[3], const double hi[3])
 {
-    const ncr_scene *scene = ir->world->scene;
-    uint32_t first = 0;
-    for (uint32_t k = 0; k < ncr_scene_object_count(scene); k++) {
-        const ncr_material *m = &ir->world->materials[k];
-        ir->objects[k] = (object_light){.material = m,
-                                        .first_grid = first,
-                                        .lift = 2.0f * ncr_scene_object_chord(scene, k) + 0x1p-20f,
-                                        .emits = light_is_on(m->emission),
-                                        .mirror = light_is_on(m->specular),
-                                        .closed = !ncr_scene_object_open(scene, k)};
-        first += ncr_surface_patch_count(ncr_scene_object_surface(scene, k));
-    }
+    return fmax(fmax(hi[0] - lo[0], hi[1] - lo[1]), hi[2] - lo[2]);
 }
 
-static double longest_side(const ncr_scene *scene)
+static double world_size(const ncr_scene *scene)
 {
-    double lo[3], hi[3], all_lo[3] = {2, 2, 2}, all_hi[3] = {-2, -2, -2}, side = 0;
+    double lo[3], hi[3], all_lo[3] = {2, 2, 2}, all_hi[3] = {-2, -2, -2};
     for (uint32_t k = 0; k < ncr_scene_object_count(scene); k++) {
         ncr_surface_bounds(ncr_scene_object_surface(scene, k), lo, hi);
         for (int c = 0; c < 3; c++) {
@@ -113,34 +101,39 @@ static double longest_side(const ncr_scene *scene)
             all_hi[c] = fmax(all_hi[c], hi[c]);
         }
     }
-    for (int c = 0; c < 3; c++)
-        side = fmax(side, all_hi[c] - all_lo[c]);
-    return side;
+    return longest_side(all_lo, all_hi);
 }
 
-static ncr_status lay_out(const ncr_ctx *ctx, const ncr_irradiance *ir, double spacing,
-                          node_layout *out)
+/* Rays start two chord tolerances off the triangles, and by what float can tell apart. Smaller
+ * objects are seen from closer by: their cells shrink with the root of their size. */
+static void describe_objects(ncr_irradiance *ir, double spacing)
 {
     const ncr_scene *scene = ir->world->scene;
-    const uint32_t objects = ncr_scene_object_count(scene);
-    const double side = longest_side(scene);
-    float *lift = ncr_alloc(ctx, objects * sizeof *lift);
-    if (!lift)
-        return NCR_E_NOMEM;
-    for (uint32_t k = 0; k < objects; k++)
-        lift[k] = ir->objects[k].lift;
-    const double step =
-        spacing > 0 ? ncr_frame_length_from_model(ncr_scene_frame(scene), spacing) : side / 100;
-    const ncr_status status = ncr_node_layout_create(ctx, scene, step, side, lift, out);
-    ncr_free(ctx, lift);
-    return status;
+    const double size = world_size(scene);
+    const double widest =
+        spacing > 0 ? ncr_frame_length_from_model(ncr_scene_frame(scene), spacing) : size / 100;
+    uint32_t first = 0;
+    for (uint32_t k = 0; k < ncr_scene_object_count(scene); k++) {
+        const ncr_material *m = &ir->world->materials[k];
+        const ncr_surface *surface = ncr_scene_object_surface(scene, k);
+        double lo[3], hi[3];
+        ncr_surface_bounds(surface, lo, hi);
+        ir->objects[k] = (object_light){.material = m,
+                                        .first_grid = first,
+                                        .lift = 2.0f * ncr_scene_object_chord(scene, k) + 0x1p-20f,
+                                        .cell = (float)(widest * sqrt(longest_side(lo, hi) / size)),
+                                        .emits = light_is_on(m->emission),
+                                        .mirror = light_is_on(m->specular),
+                                        .closed = !ncr_scene_object_open(scene, k)};
+        first += ncr_surface_patch_count(surface);
+    }
 }
 
 static ncr_status compute(const ncr_ctx *ctx, ncr_irradiance *ir, const ncr_irradiance_opts *opts,
                           ncr_irradiance_stats *stats)
 {
     node_layout layout;
-    ncr_status status = lay_out(ctx, ir, opts->spacing, &layout);
+    ncr_status status = ncr_node_layout_create(ctx, ir->world->scene, ir->objects, &layout);
     if (status != NCR_OK)
         return status;
     gather_job job = {.ir = ir, .layout = &layout};
@@ -192,7 +185,7 @@ ncr_status ncr_irradiance_create(const ncr_ctx *ctx, const ncr_world *world,
     ir->objects = ncr_alloc_zero(ctx, ncr_scene_object_count(world->scene), sizeof *ir->objects);
     status = ir->objects ? NCR_OK : NCR_E_NOMEM;
     if (status == NCR_OK) {
-        describe_objects(ir);
+        describe_objects(ir, set->spacing);
         status = compute(ctx, ir, set, report);
     }
     clock_gettime(CLOCK_MONOTONIC, &end);

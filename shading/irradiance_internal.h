@@ -24,18 +24,18 @@ typedef struct node_layout {
     uint64_t *key;    /* [site_count] hash of the place */
 } node_layout;
 
-/* Frame units: `spacing` holds for an object as long as the `world`; `lift` is per object. */
-ncr_status ncr_node_layout_create(const ncr_ctx *ctx, const ncr_scene *scene, double spacing,
-                                  double world, const float *lift, node_layout *out);
-void ncr_node_layout_dispose(const ncr_ctx *ctx, node_layout *layout);
-
 /* What shading wants to know of an object at once. */
 typedef struct object_light {
     const ncr_material *material;
     uint32_t first_grid;
     float lift; /* how far rays start above the triangles to miss them, frame units */
+    float cell; /* distance between nodes at most, frame units */
     bool emits, mirror, closed;
 } object_light;
+
+ncr_status ncr_node_layout_create(const ncr_ctx *ctx, const ncr_scene *scene,
+                                  const object_light *objects, node_layout *out);
+void ncr_node_layout_dispose(const ncr_ctx *ctx, node_layout *layout);
 
 struct ncr_irradiance {
     const ncr_world *world;

@@ -9,7 +9,8 @@
 #include <string.h>
 
 enum { side_max = 1025, line_steps = 8 };
-static const double turn_max = 0.2618; /* 15 degrees between nodes: a cosine is then linear to 0.9 % */
+static const double turn_max =
+    0.2618; /* 15 degrees between nodes: a cosine is then linear to 0.9 % */
 
 /* An edge by what does not depend on which patch it is seen from: its ends in a fixed order and
  * its middle, on a lattice. `class` is the row of counts it asks for: 2 patch + (0: u, 1: v). */
@@ -301,16 +302,6 @@ static ncr_status make_sites(const ncr_ctx *ctx, const ncr_surface *surface, uin
     return NCR_OK;
 }
 
-/* Smaller objects are seen from closer by: their spacing shrinks with the root of their size. */
-static double object_spacing(const ncr_surface *surface, double spacing, double world)
-{
-    double lo[3], hi[3], size = 0;
-    ncr_surface_bounds(surface, lo, hi);
-    for (int k = 0; k < 3; k++)
-        size = fmax(size, hi[k] - lo[k]);
-    return spacing * sqrt(size / world);
-}
-
 static ncr_status alloc_sites(const ncr_ctx *ctx, node_layout *l)
 {
     const size_t n = l->node_count;
@@ -324,8 +315,8 @@ static ncr_status alloc_sites(const ncr_ctx *ctx, node_layout *l)
     return l->site && l->place && l->normal && l->owner && l->key ? NCR_OK : NCR_E_NOMEM;
 }
 
-static ncr_status fill_layout(const ncr_ctx *ctx, const ncr_scene *scene, double spacing,
-                              double world, const float *lift, node_layout *l)
+static ncr_status fill_layout(const ncr_ctx *ctx, const ncr_scene *scene, const object_light *light,
+                              node_layout *l)
 {
     const uint32_t objects = ncr_scene_object_count(scene);
     for (uint32_t o = 0; o < objects; o++)
@@ -335,7 +326,7 @@ static ncr_status fill_layout(const ncr_ctx *ctx, const ncr_scene *scene, double
     node_grid *grids = l->grids;
     for (uint32_t o = 0; status == NCR_OK && o < objects; o++) {
         const ncr_surface *s = ncr_scene_object_surface(scene, o);
-        status = size_grids(ctx, s, object_spacing(s, spacing, world), grids, &l->node_count);
+        status = size_grids(ctx, s, (double)light[o].cell, grids, &l->node_count);
         grids += ncr_surface_patch_count(s);
     }
     if (status == NCR_OK)
@@ -343,17 +334,17 @@ static ncr_status fill_layout(const ncr_ctx *ctx, const ncr_scene *scene, double
     grids = l->grids;
     for (uint32_t o = 0; status == NCR_OK && o < objects; o++) {
         const ncr_surface *s = ncr_scene_object_surface(scene, o);
-        status = make_sites(ctx, s, o, grids, 2.0 * (double)lift[o], l);
+        status = make_sites(ctx, s, o, grids, 2.0 * (double)light[o].lift, l);
         grids += ncr_surface_patch_count(s);
     }
     return status;
 }
 
-ncr_status ncr_node_layout_create(const ncr_ctx *ctx, const ncr_scene *scene, double spacing,
-                                  double world, const float *lift, node_layout *out)
+ncr_status ncr_node_layout_create(const ncr_ctx *ctx, const ncr_scene *scene,
+                                  const object_light *objects, node_layout *out)
 {
     node_layout l = {0};
-    const ncr_status status = fill_layout(ctx, scene, spacing, world, lift, &l);
+    const ncr_status status = fill_layout(ctx, scene, objects, &l);
     if (status != NCR_OK)
         ncr_node_layout_dispose(ctx, &l);
     *out = status == NCR_OK ? l : (node_layout){0};

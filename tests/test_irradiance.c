@@ -290,6 +290,23 @@ static void nodes_inside_a_solid_take_their_neighbours_light(void **state)
     world_dispose(&w);
 }
 
+/* A slab that hovers a hair above the floor: the gap is dark, the floor beside it is not. */
+static void dark_of_a_gap_does_not_leak_out(void **state)
+{
+    (void)state;
+    static const double min[3] = {-0.3, -0.3, 0.002}, max[3] = {0.3, 0.3, 0.1};
+    double nets[6][16][3];
+    test_world w = {0};
+    const uint32_t floor = world_add_floor(&w, 1, 0, false, world_grey(0));
+    ncr_shape_box(min, max, nets);
+    world_add(&w, 6, nets, false, false, world_grey(0));
+    world_close(&w, &world_even_sky);
+    world_light(&w, NCR_OPTS(ncr_irradiance_opts, .spacing = 0.18, .rays = 256));
+    for (int k = 0; k <= 20; k++)
+        assert_true(at(&w, floor, 0, 0.5 + 0.31 / 2, 0.35 + 0.3 * k / 20) > 0.5 * pi);
+    world_dispose(&w);
+}
+
 /* --- as a builder ---------------------------------------------------------------------------- */
 
 static void fill_small(test_world *w)
@@ -404,6 +421,7 @@ int main(void)
         cmocka_unit_test(patches_agree_on_their_borders),
         cmocka_unit_test(neighbours_of_unlike_size_agree_too),
         cmocka_unit_test(nodes_inside_a_solid_take_their_neighbours_light),
+        cmocka_unit_test(dark_of_a_gap_does_not_leak_out),
         cmocka_unit_test(result_does_not_depend_on_the_workers),
         cmocka_unit_test(every_refused_allocation_is_survived),
         cmocka_unit_test(wrong_options_are_refused),
