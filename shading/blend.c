@@ -60,16 +60,17 @@ static unsigned largest_of(unsigned count, const float *value, unsigned valid)
 }
 
 /* Scale to a sum of one, in whole multiples of 2^-24: floats of that kind add without rounding,
- * so the sum is exactly one in any order. What rounding takes or leaves, at most 15 2^-25, goes
- * to the largest weight, which is at least 1/16.                                       [S-12] */
+ * so the sum is exactly one in any order. What rounding takes or leaves, a few 2^-24, goes to
+ * the largest weight, which is at least 1/16.                                       [S-12] */
 static void normalise(unsigned count, float *weight)
 {
     float sum = 0, others = 0;
     for (unsigned j = 0; j < count; j++)
         sum += weight[j];
     const unsigned big = largest_of(count, weight, ~0u);
+    const float scale = 0x1p24f / sum;
     for (unsigned j = 0; j < count; j++) {
-        weight[j] = rintf(weight[j] / sum * 0x1p24f) * 0x1p-24f;
+        weight[j] = rintf(weight[j] * scale) * 0x1p-24f;
         others += j == big ? 0 : weight[j];
     }
     weight[big] = 1 - others;
@@ -78,8 +79,8 @@ static void normalise(unsigned count, float *weight)
 /* B_j = max(c_j, 0)^N / sum                                                     [T 4.10] [T 4.11]
  *
  * The thesis prints max(c^N, 0), which for even N lets points behind the axis in [E-01]; and
- * c_j >= 0 is not given for 4.11 away from the texel's centre [E-02]. Each cosine is divided by
- * the largest before the power is taken, so one term is exactly 1 and the sum cannot vanish:
+ * c_j >= 0 is not given for 4.11 away from the texel's centre [E-02]. Each cosine is taken
+ * relative to the largest before the power, so one term is 1 and the sum cannot vanish:
  * 0.0872^64 alone is zero in float.                                                    [S-12] */
 static bool powers(unsigned count, const float *cosine, unsigned valid, float exponent,
                    float *weight)
@@ -88,12 +89,13 @@ static bool powers(unsigned count, const float *cosine, unsigned valid, float ex
     for (unsigned j = 0; j < count; j++)
         if (valid >> j & 1 && cosine[j] > largest)
             largest = cosine[j];
-    if (!(largest > 0))
+    if (!(largest > ncr_blend_cosine_min))
         return false;
+    const float scale = 1 / largest;
 
     for (unsigned j = 0; j < count; j++) {
         const bool counts = valid >> j & 1 && cosine[j] > 0;
-        weight[j] = counts ? power(cosine[j] / largest, exponent) : 0;
+        weight[j] = counts ? power(cosine[j] * scale, exponent) : 0;
     }
     normalise(count, weight);
     return true;

@@ -1,8 +1,9 @@
 /* SPDX-License-Identifier: MIT */
+#include "shading/wide_avx2_internal.h"
+
 #include "shading/blend_kernel_internal.h"
 
-size_t ncr_blend_rows_avx2(const ncr_blend_rows *rows, unsigned exponent, bool absolute,
-                           uint8_t odd[NCR_BLEND_ROW])
+uint64_t ncr_blend_rows_avx2(const ncr_blend_rows *rows, unsigned exponent, bool absolute)
 {
-    return weigh_rows(rows, exponent, absolute, odd);
+    return weigh_rows(rows, exponent, absolute);
 }

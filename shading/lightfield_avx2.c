@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 #include "shading/lightfield_internal.h"
-
-#include <immintrin.h>
+#include "shading/wide_avx2_internal.h"
 
 typedef struct corners {
     __m256 top, bottom; /* pairs of texels */
@@ -30,12 +29,15 @@ static inline corners corners_add_scaled(corners sum, float w, corners c)
                      _mm256_add_ps(sum.bottom, _mm256_mul_ps(scale, c.bottom))};
 }
 
-static inline __m128 corners_mix(corners c, float fx, float fy)
+static inline wide corners_mix(const corners c[2], wide fx, wide fy, int i)
 {
-    const __m256 step = _mm256_mul_ps(_mm256_set1_ps(fy), _mm256_sub_ps(c.bottom, c.top));
-    const __m256 pair = _mm256_add_ps(c.top, step);
-    const __m128 left = _mm256_castps256_ps128(pair), right = _mm256_extractf128_ps(pair, 1);
-    return _mm_add_ps(left, _mm_mul_ps(_mm_set1_ps(fx), _mm_sub_ps(right, left)));
+    const wide x = wide_spread(fx, i), y = wide_spread(fy, i);
+    const wide y0 = _mm256_permute2f128_ps(y, y, 0x00), y1 = _mm256_permute2f128_ps(y, y, 0x11);
+    const wide mid0 = wide_add(c[0].top, wide_mul(y0, wide_sub(c[0].bottom, c[0].top)));
+    const wide mid1 = wide_add(c[1].top, wide_mul(y1, wide_sub(c[1].bottom, c[1].top)));
+    const wide left = _mm256_permute2f128_ps(mid0, mid1, 0x20);
+    const wide right = _mm256_permute2f128_ps(mid0, mid1, 0x31);
+    return wide_add(left, wide_mul(x, wide_sub(right, left)));
 }
 
 #include "shading/lightfield_kernel_internal.h"

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 #include "shading/lightfield_internal.h"
-
-#include <immintrin.h>
+#include "shading/wide_avx512_internal.h"
 
 typedef __m512 corners; /* the pair of the upper row in the low half */
 
@@ -25,13 +24,20 @@ static inline corners corners_add_scaled(corners sum, float w, corners c)
     return _mm512_add_ps(sum, _mm512_mul_ps(_mm512_set1_ps(w), c));
 }
 
-static inline __m128 corners_mix(corners c, float fx, float fy)
+/* The pairs of two look-ups, upper rows and lower rows; then left texels and right ones of four. */
+static inline wide corners_mix(const corners c[4], wide fx, wide fy, int i)
 {
-    const __m256 top = _mm512_castps512_ps256(c), bottom = _mm512_extractf32x8_ps(c, 1);
-    const __m256 step = _mm256_mul_ps(_mm256_set1_ps(fy), _mm256_sub_ps(bottom, top));
-    const __m256 pair = _mm256_add_ps(top, step);
-    const __m128 left = _mm256_castps256_ps128(pair), right = _mm256_extractf128_ps(pair, 1);
-    return _mm_add_ps(left, _mm_mul_ps(_mm_set1_ps(fx), _mm_sub_ps(right, left)));
+    const wide x = wide_spread(fx, i), y = wide_spread(fy, i);
+    const wide y01 = _mm512_shuffle_f32x4(y, y, 0x50), y23 = _mm512_shuffle_f32x4(y, y, 0xfa);
+    const wide top01 = _mm512_shuffle_f32x4(c[0], c[1], 0x44);
+    const wide top23 = _mm512_shuffle_f32x4(c[2], c[3], 0x44);
+    const wide bottom01 = _mm512_shuffle_f32x4(c[0], c[1], 0xee);
+    const wide bottom23 = _mm512_shuffle_f32x4(c[2], c[3], 0xee);
+    const wide mid01 = wide_add(top01, wide_mul(y01, wide_sub(bottom01, top01)));
+    const wide mid23 = wide_add(top23, wide_mul(y23, wide_sub(bottom23, top23)));
+    const wide left = _mm512_shuffle_f32x4(mid01, mid23, 0x88);
+    const wide right = _mm512_shuffle_f32x4(mid01, mid23, 0xdd);
+    return wide_add(left, wide_mul(x, wide_sub(right, left)));
 }
 
 #include "shading/lightfield_kernel_internal.h"

@@ -6,7 +6,8 @@
  *     corners_load(half, at, row_bytes)       the texels at an address
  *     corners_add_scaled(sum, w, c)           sum + w c
  *     corners_zero()
- *     corners_mix(c, fx, fy)                  columns first, then across: one texel
+ *     corners_mix(c[LANES], fx, fy, i)        columns first, then across: a texel in each lane,
+ *                                             of look-ups i, 4 + i, 8 + i ... with fractions fx, fy
  *
  * Texels lie as neighbours, so a look-up is two loads of a pair. That beats the processor's
  * gather, which fetches channel by channel. */
@@ -19,48 +20,78 @@
 
 #define ALWAYS_INLINE static inline __attribute__((always_inline))
 
+enum { far_bytes = 8 << 20, near_bytes = 16 << 10 };
+
 /* Mixed texels of up to 64 look-ups, channel by channel. */
 typedef struct mixed_row {
     float at[4][LOOKUP_ROW];
 } mixed_row;
 
-ALWAYS_INLINE void store_four(mixed_row *out, size_t k, __m128 a, __m128 b, __m128 c, __m128 d)
-{
-    _MM_TRANSPOSE4_PS(a, b, c, d);
-    _mm_storeu_ps(out->at[0] + k, a);
-    _mm_storeu_ps(out->at[1] + k, b);
-    _mm_storeu_ps(out->at[2] + k, c);
-    _mm_storeu_ps(out->at[3] + k, d);
-}
+enum { LANES = WIDE / 4 };
 
-/* Rows are worked on four at a time: fill up to the next four with look-ups that do no harm. */
-ALWAYS_INLINE size_t pad_footprints(size_t count, lookup_row *at)
-{
-    const size_t padded = (count + 3) & ~(size_t)3;
-    for (size_t k = count; k < padded; k++) {
-        at->first[k] = 0;
-        at->fx[k] = at->fy[k] = 0;
-    }
-    return padded;
-}
-
-/* The sizes of things in bytes, in registers for the length of a row. */
+/* What is the same for all look-ups of a call. */
 typedef struct texel_layout {
-    const char *texels;
-    size_t texel, row, point;
+    uint64_t texels, texel, row, point; /* address; bytes */
+    bool far;                           /* too large for the caches: ask for texels early */
 } texel_layout;
 
 ALWAYS_INLINE texel_layout layout_of(const ncr_lightfield *field, bool half)
 {
-    const size_t texel = half ? 8 : 16;
-    return (texel_layout){field->texels, texel, texel * field->row, texel * field->point_texels};
+    const uint64_t texel = half ? 8 : 16;
+    return (texel_layout){(uint64_t)(uintptr_t)field->texels, texel, texel * field->row,
+                          texel * field->point_texels, field->bytes > far_bytes};
 }
 
-ALWAYS_INLINE __m128 look_up(const texel_layout *in, bool half, const lookup_row *at,
-                             const uint32_t *point, size_t k)
+ALWAYS_INLINE void find_addresses(const texel_layout *in, const lookup_row *at,
+                                  const uint32_t *point, uint64_t *address)
 {
-    const char *texel = in->texels + point[k] * in->point + (size_t)at->first[k] * in->texel;
-    return corners_mix(corners_load(half, texel, in->row), at->fx[k], at->fy[k]);
+    for (size_t k = 0; k < LOOKUP_ROW; k++)
+        address[k] = in->texels + point[k] * in->point + (uint32_t)at->first[k] * in->texel;
+}
+
+/* Start fetching texels that no cache is likely to hold, all of a row at once. Look-ups close
+ * together share lines and need no asking. */
+ALWAYS_INLINE void ask_for(const texel_layout *in, const uint64_t *address)
+{
+    uint64_t low = UINT64_MAX, high = 0;
+    for (size_t k = 0; k < LOOKUP_ROW; k++) {
+        low = address[k] < low ? address[k] : low;
+        high = address[k] > high ? address[k] : high;
+    }
+    if (!in->far || high - low < near_bytes)
+        return;
+    for (size_t k = 0; k < LOOKUP_ROW; k += 4)
+        for (size_t i = k; i < k + 4; i++) {
+            _mm_prefetch((const char *)(uintptr_t)address[i], _MM_HINT_T0);
+            _mm_prefetch((const char *)(uintptr_t)(address[i] + in->row), _MM_HINT_T0);
+        }
+}
+
+ALWAYS_INLINE corners load_corners(const texel_layout *in, bool half, uint64_t address)
+{
+    return corners_load(half, (const char *)(uintptr_t)address, in->row);
+}
+
+/* Turn WIDE mixed texels into rows of channels. */
+ALWAYS_INLINE void store_group(mixed_row *out, size_t k, wide z[4])
+{
+    wide_transpose(&z[0], &z[1], &z[2], &z[3]);
+    for (int c = 0; c < 4; c++)
+        wide_store(out->at[c] + k, z[c]);
+}
+
+ALWAYS_INLINE void look_up_group(const texel_layout *in, bool half, const lookup_row *at,
+                                 const uint64_t *address, size_t k, mixed_row *out)
+{
+    const wide fx = wide_load(at->fx + k), fy = wide_load(at->fy + k);
+    wide z[4];
+    for (int i = 0; i < 4; i++) {
+        corners c[LANES];
+        for (int lane = 0; lane < LANES; lane++)
+            c[lane] = load_corners(in, half, address[k + (size_t)(4 * lane + i)]);
+        z[i] = corners_mix(c, fx, fy, i);
+    }
+    store_group(out, k, z);
 }
 
 ALWAYS_INLINE size_t accumulate_row(const ncr_lightfield *field, bool half, size_t count,
@@ -68,17 +99,19 @@ ALWAYS_INLINE size_t accumulate_row(const ncr_lightfield *field, bool half, size
                                     float *const out[3], size_t begin)
 {
     const texel_layout in = layout_of(field, half);
+    direction_row ahead;
     lookup_row at;
     mixed_row mix;
-    uint32_t from[LOOKUP_ROW];
-    find_footprints(field, count, d[0] + begin, d[1] + begin, d[2] + begin, &at);
-    const size_t padded = pad_footprints(count, &at);
-    for (size_t k = 0; k < padded; k++)
-        from[k] = k >= count || point[begin + k] == NCR_NO_POINT ? 0 : point[begin + k];
-
-    for (size_t k = 0; k < padded; k += 4)
-        store_four(&mix, k, look_up(&in, half, &at, from, k), look_up(&in, half, &at, from, k + 1),
-                   look_up(&in, half, &at, from, k + 2), look_up(&in, half, &at, from, k + 3));
+    uint32_t from[LOOKUP_ROW] = {0};
+    uint64_t address[LOOKUP_ROW];
+    take_directions(d, begin, count, &ahead);
+    find_footprints(field, ahead.at, &at);
+    for (size_t k = 0; k < count; k++)
+        from[k] = point[begin + k] == NCR_NO_POINT ? 0 : point[begin + k];
+    find_addresses(&in, &at, from, address);
+    ask_for(&in, address);
+    for (size_t k = 0; k < count; k += WIDE)
+        look_up_group(&in, half, &at, address, k, &mix);
 
     uint32_t trapped = 0;
     for (size_t k = 0; k < count; k++)
@@ -93,15 +126,24 @@ ALWAYS_INLINE size_t accumulate_row(const ncr_lightfield *field, bool half, size
     return trapped;
 }
 
-ALWAYS_INLINE __m128 blend_one(const texel_layout *in, bool half, const lookup_row *at,
-                               const blend_row *b, unsigned points, size_t k)
+ALWAYS_INLINE void blend_group(const texel_layout *in, bool half, const lookup_row *at,
+                               const blend_row *b, const uint64_t (*address)[LOOKUP_ROW],
+                               unsigned points, size_t k, mixed_row *out)
 {
-    const char *texel = in->texels + (size_t)at->first[k] * in->texel;
-    corners sum = corners_zero();
-    for (unsigned j = 0; j < points; j++)
-        sum = corners_add_scaled(sum, b->w[j][k],
-                                 corners_load(half, texel + b->point[j][k] * in->point, in->row));
-    return corners_mix(sum, at->fx[k], at->fy[k]);
+    const wide fx = wide_load(at->fx + k), fy = wide_load(at->fy + k);
+    wide z[4];
+    for (int i = 0; i < 4; i++) {
+        corners c[LANES];
+        for (int lane = 0; lane < LANES; lane++) {
+            const size_t pixel = k + (size_t)(4 * lane + i);
+            c[lane] = corners_zero();
+            for (unsigned j = 0; j < points; j++)
+                c[lane] = corners_add_scaled(c[lane], b->w[j][pixel],
+                                             load_corners(in, half, address[j][pixel]));
+        }
+        z[i] = corners_mix(c, fx, fy, i);
+    }
+    store_group(out, k, z);
 }
 
 ALWAYS_INLINE size_t blend_row_of(const ncr_lightfield *field, bool half, size_t count,
@@ -110,23 +152,20 @@ ALWAYS_INLINE size_t blend_row_of(const ncr_lightfield *field, bool half, size_t
                                   float *const out[3], size_t begin)
 {
     const texel_layout in = layout_of(field, half);
+    direction_row ahead;
     lookup_row at;
     blend_row b;
     mixed_row mix;
-    find_footprints(field, count, d[0] + begin, d[1] + begin, d[2] + begin, &at);
+    uint64_t address[LOOKUP_POINTS][LOOKUP_ROW];
+    take_directions(d, begin, count, &ahead);
+    find_footprints(field, ahead.at, &at);
     tame_points(count, points, point, w, begin, &b);
-    const size_t padded = pad_footprints(count, &at);
-    for (size_t k = count; k < padded; k++)
-        for (unsigned j = 0; j < points; j++) {
-            b.point[j][k] = 0;
-            b.w[j][k] = 0;
-        }
-
-    for (size_t k = 0; k < padded; k += 4)
-        store_four(&mix, k, blend_one(&in, half, &at, &b, points, k),
-                   blend_one(&in, half, &at, &b, points, k + 1),
-                   blend_one(&in, half, &at, &b, points, k + 2),
-                   blend_one(&in, half, &at, &b, points, k + 3));
+    for (unsigned j = 0; j < points; j++) {
+        find_addresses(&in, &at, b.point[j], address[j]);
+        ask_for(&in, address[j]);
+    }
+    for (size_t k = 0; k < count; k += WIDE)
+        blend_group(&in, half, &at, &b, (const uint64_t(*)[LOOKUP_ROW])address, points, k, &mix);
 
     for (int c = 0; c < 3; c++)
         for (size_t k = 0; k < count; k++)

@@ -2,7 +2,6 @@
 #include "shading/method.h"
 
 #include "core/nearest_word.h"
-#include "core/vec_internal.h"
 #include "shading/method_internal.h"
 
 #include <math.h>
@@ -21,10 +20,10 @@ static const ncr_method_entry entries[] = {
      ncr_reflect_envmap, 0},
     {"proxy", "one cube map, corrected for parallax by a box", false, NCR_NEEDS_PROBE, NULL,
      ncr_reflect_proxy, 0},
-    {"distance", "the closest point", false, NCR_NEEDS_FIELD, NULL, ncr_reflect_one,
+    {"distance", "the closest point", false, NCR_NEEDS_FIELD, NULL, ncr_reflect_closest,
      NCR_BASIS_DISTANCE},
     {"angle", "the point nearest to the mirror ray in angle", false, NCR_NEEDS_FIELD, NULL,
-     ncr_reflect_one, NCR_BASIS_ANGLE},
+     ncr_reflect_angle, NCR_BASIS_ANGLE},
     {"average", "four points alike", false, NCR_NEEDS_FIELD, NULL, ncr_reflect_blend,
      NCR_BASIS_AVERAGE},
     {"cosine-r", "four points by max(r.s, 0)^N", true, NCR_NEEDS_FIELD, NULL, ncr_reflect_blend,
@@ -95,20 +94,6 @@ ncr_status ncr_method_find(const ncr_ctx *ctx, const char *text, ncr_method *out
     return NCR_OK;
 }
 
-unsigned ncr_run_offsets(const ncr_shade_job *job, const ncr_run *run, size_t k,
-                         ncr_vec3 to_point[NCR_CANDIDATES])
-{
-    const ncr_vec3 x = ncr_rows_get(&run->x, k);
-    unsigned valid = 0;
-    for (unsigned j = 0; j < NCR_CANDIDATES; j++) {
-        const uint16_t index = run->point[j][k];
-        const float *p = job->point[index == NCR_NO_POINT ? 0 : index];
-        to_point[j] = v_sub((ncr_vec3){p[0], p[1], p[2]}, x);
-        valid |= (unsigned)(index != NCR_NO_POINT) << j;
-    }
-    return valid;
-}
-
 /* What one call of ncr_method_shade does to every chunk. */
 typedef struct shade_call {
     ncr_shade_job job;
@@ -118,57 +103,10 @@ typedef struct shade_call {
     ncr_shade_stats *per_worker;
 } shade_call;
 
-static void gather(const float *in, const uint32_t *pixel, size_t count, float *out)
-{
-    if (pixel[count - 1] - pixel[0] == count - 1) {
-        memcpy(out, in + pixel[0], count * sizeof *out);
-        return;
-    }
-    for (size_t k = 0; k < count; k++)
-        out[k] = in[pixel[k]];
-}
-
-/* Candidates of a run; neighbours mostly share a patch, and so its chart. */
-static void look_up_points(const ncr_sample_map *map, ncr_run *run)
-{
-    for (size_t k = 0; k < run->count; k++) {
-        const uint16_t *index = ncr_sample_map_at(map, run->patch[k], run->u[k], run->v[k]);
-        for (int j = 0; j < NCR_CANDIDATES; j++)
-            run->point[j][k] = index[j];
-    }
-}
-
-/* Everything methods need about the pixels listed in run->pixel. */
-static void fill_run(const ncr_shade_job *job, ncr_run *run)
-{
-    const ncr_gbuffer *g = job->gbuffer;
-    const size_t count = run->count;
-    for (size_t k = 0; k < count; k++)
-        run->patch[k] = g->patch[run->pixel[k]];
-    gather(g->u, run->pixel, count, run->u);
-    gather(g->v, run->pixel, count, run->v);
-    const float *x[3] = {g->px, g->py, g->pz}, *n[3] = {g->nx, g->ny, g->nz};
-    const float *v[3] = {g->vx, g->vy, g->vz};
-    for (int c = 0; c < 3; c++) {
-        gather(x[c], run->pixel, count, run->x.at[c]);
-        gather(n[c], run->pixel, count, run->n.at[c]);
-        gather(v[c], run->pixel, count, run->r.at[c]);
-    }
-
-    for (size_t k = 0; k < count; k++) {
-        const ncr_vec3 r = v_reflect(ncr_rows_get(&run->n, k), ncr_rows_get(&run->r, k));
-        ncr_rows_set(&run->r, k, r);
-    }
-    if (job->in->map)
-        look_up_points(job->in->map, run);
-    else
-        memset(run->point, 0xff, sizeof run->point);
-}
-
 /* L = recon + C_s reflect                                                            [T 4.12] */
 static void shade_run(const shade_call *call, ncr_run *run, ncr_shade_stats *stats)
 {
-    fill_run(&call->job, run);
+    ncr_run_complete(&call->job, run);
     stats->shaded += run->count;
 
     ncr_rows recon;
@@ -195,12 +133,19 @@ static void shade_chunk(size_t begin, size_t end, unsigned worker, void *arg)
     const shade_call *call = arg;
     const uint32_t *object = call->job.gbuffer->object, wanted = call->job.in->object;
     ncr_shade_stats *stats = &call->per_worker[worker];
-    ncr_run run;
-    run.count = 0;
-    for (size_t k = begin; k < end; k++) {
-        run.pixel[run.count] = (uint32_t)k;
-        run.count += object[k] == wanted;
-        if (run.count == NCR_RUN) {
+    ncr_run run = {.count = 0}; /* zeros: kernels work on whole rows, past the last pixel */
+    for (size_t k = begin; k < end;) {
+        if (object[k] != wanted) {
+            k++;
+            continue;
+        }
+        size_t last = k + 1;
+        while (last < end && object[last] == wanted)
+            last++;
+        while (k < last) {
+            k += ncr_run_add(call->job.gbuffer, k, last, &run);
+            if (run.count < NCR_RUN)
+                continue;
             shade_run(call, &run, stats);
             run.count = 0;
         }
@@ -277,14 +222,14 @@ static ncr_status choose_terms(const ncr_ctx *ctx, const ncr_method *method, ncr
     return status;
 }
 
-/* Points in frame units, four floats each: one load of a wide register. */
+/* Points in frame units, four floats each, which is one load; and a row of zeros. */
 static ncr_status frame_points(const ncr_ctx *ctx, const ncr_shading_inputs *in, float (**out)[4])
 {
     *out = NULL;
     if (!in->points || !in->frame)
         return NCR_OK;
     ncr_vec3 *packed = ncr_alloc(ctx, in->points->count * sizeof *packed);
-    float(*wide)[4] = ncr_alloc_zero(ctx, in->points->count, sizeof *wide);
+    float(*wide)[4] = ncr_alloc_zero(ctx, in->points->count + 1, sizeof *wide);
     if (packed && wide) {
         ncr_points_to_frame(in->points, in->frame, packed);
         for (size_t k = 0; k < in->points->count; k++)

@@ -46,7 +46,7 @@ typedef struct ncr_run {
 typedef struct ncr_shade_job {
     const ncr_shading_inputs *in;
     const ncr_gbuffer *gbuffer;
-    const float (*point)[4]; /* [point count] frame units and a 0, aligned; NULL without points */
+    const float (*point)[4]; /* [point count + 1] frame units and a 0, aligned; NULL without */
     float horizon;           /* cosine below which reconstruction avoids a point; -2: no rule */
     float lift;              /* trace: how far off the surface rays start, frame units */
 } ncr_shade_job;
@@ -66,10 +66,17 @@ typedef struct ncr_method_entry {
     int detail;                    /* whatever tells entries with the same function apart */
 } ncr_method_entry;
 
-ncr_shade_fn ncr_recon_nearest, ncr_recon_average;  /* oslf_reconstruct.c */
-ncr_shade_fn ncr_reflect_blend, ncr_reflect_one;    /* oslf_mirror.c: detail is the ncr_basis */
+ncr_shade_fn ncr_recon_nearest, ncr_recon_average; /* oslf_reconstruct.c */
+/* oslf_mirror.c: detail is the ncr_basis */
+ncr_shade_fn ncr_reflect_blend, ncr_reflect_closest, ncr_reflect_angle;
 ncr_shade_fn ncr_reflect_envmap, ncr_reflect_proxy; /* environment.c */
 ncr_shade_fn ncr_recon_trace, ncr_reflect_trace;    /* method_trace.c */
+
+/* Add neighbouring pixels [begin, end) to a run, as many as there is room for; returns how many. */
+size_t ncr_run_add(const ncr_gbuffer *gbuffer, size_t begin, size_t end, ncr_run *run);
+
+/* What follows from the pixels of a run: where their mirrors look, and which points see them. */
+void ncr_run_complete(const ncr_shade_job *job, ncr_run *run);
 
 /* Offsets from pixel k to its candidates, and a bit for each that there is. */
 unsigned ncr_run_offsets(const ncr_shade_job *job, const ncr_run *run, size_t k,

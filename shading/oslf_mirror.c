@@ -37,8 +37,7 @@ static void weigh_row(const ncr_shade_job *job, const ncr_method *method, ncr_bl
 {
     const int basis = method->entry->detail;
     const ncr_rows *axis = basis == NCR_BASIS_COSINE_N ? &run->n : &run->r;
-    ncr_blend_rows rows = {.count = run->count - begin, .position = job->point};
-    rows.count = rows.count < NCR_BLEND_ROW ? rows.count : NCR_BLEND_ROW;
+    ncr_blend_rows rows = {.points = (uint32_t)job->in->points->count, .position = job->point};
     for (int c = 0; c < 3; c++) {
         rows.x[c] = run->x.at[c] + begin;
         rows.axis[c] = axis->at[c] + begin;
@@ -47,11 +46,11 @@ static void weigh_row(const ncr_shade_job *job, const ncr_method *method, ncr_bl
         rows.point[j] = run->point[j] + begin;
         rows.w[j] = w[j] + begin;
     }
-    uint8_t odd[NCR_BLEND_ROW];
-    const size_t left = fn(&rows, (unsigned)method->parameter, basis == NCR_BASIS_ABS_R, odd);
-    for (size_t k = 0; left && k < rows.count; k++)
-        if (odd[k])
-            weigh_pixel(job, method, run, begin + k, w, stats);
+    uint64_t odd = fn(&rows, (unsigned)method->parameter, basis == NCR_BASIS_ABS_R);
+    if (run->count - begin < NCR_BLEND_ROW)
+        odd &= ((uint64_t)1 << (run->count - begin)) - 1;
+    for (; odd; odd &= odd - 1)
+        weigh_pixel(job, method, run, begin + (size_t)__builtin_ctzll(odd), w, stats);
 }
 
 /* Weights of every pixel's candidates. */
@@ -96,22 +95,44 @@ void ncr_reflect_blend(const ncr_shade_job *job, const ncr_method *method, ncr_r
     fill_uncovered(job, run);
 }
 
-/* One point has all the weight: the closest, or the nearest in angle.             [T 4.3-4.5] */
-void ncr_reflect_one(const ncr_shade_job *job, const ncr_method *method, ncr_run *run,
-                     ncr_shade_stats *stats)
+/* One look-up per pixel. */
+static void look_up_one(const ncr_shade_job *job, ncr_run *run, const uint16_t *point,
+                        ncr_shade_stats *stats)
 {
-    float w[NCR_CANDIDATES][NCR_RUN];
-    weigh(job, method, run, w, stats);
-    uint16_t point[NCR_RUN];
     float one[NCR_RUN];
+    uint32_t lookups = 0;
     for (size_t k = 0; k < run->count; k++) {
-        point[k] = NCR_NO_POINT;
         one[k] = 1;
-        for (unsigned j = 0; j < NCR_CANDIDATES; j++)
-            point[k] = w[j][k] > 0 ? run->point[j][k] : point[k];
+        lookups += point[k] != NCR_NO_POINT;
     }
+    stats->lookups += lookups;
     stats->trapped += ncr_lightfield_blend(
         job->in->light, run->count, 1, (const uint16_t *const[]){point},
         (const float *const[]){one}, NCR_ROWS_IN(&run->r), NCR_ROWS_OUT(&run->rgb));
     fill_uncovered(job, run);
+}
+
+/* The closest point: the map's first.                                                [T 4.3] */
+void ncr_reflect_closest(const ncr_shade_job *job, const ncr_method *method, ncr_run *run,
+                         ncr_shade_stats *stats)
+{
+    (void)method;
+    for (size_t k = 0; k < run->count; k++)
+        stats->fallbacks += run->point[0][k] == NCR_NO_POINT;
+    look_up_one(job, run, run->point[0], stats);
+}
+
+/* The point nearest to the mirror ray in angle: it has all the weight.           [T 4.4, 4.5] */
+void ncr_reflect_angle(const ncr_shade_job *job, const ncr_method *method, ncr_run *run,
+                       ncr_shade_stats *stats)
+{
+    float w[NCR_CANDIDATES][NCR_RUN];
+    uint16_t point[NCR_RUN];
+    for (size_t k = 0; k < run->count; k++) {
+        weigh_pixel(job, method, run, k, w, stats);
+        point[k] = NCR_NO_POINT;
+        for (unsigned j = 0; j < NCR_CANDIDATES; j++)
+            point[k] = w[j][k] > 0 ? run->point[j][k] : point[k];
+    }
+    look_up_one(job, run, point, stats);
 }
