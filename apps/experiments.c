@@ -1,17 +1,24 @@
 /* SPDX-License-Identifier: MIT */
 #include "apps/experiments.h"
 
-#include "apps/picture.h"
-#include "sampling/false_color.h"
+#include "apps/figures.h"
 
 #include <stdio.h>
 #include <string.h>
 
 /* Bits of `chosen`, in the order of the names. */
-enum { RECONSTRUCTION = 1, MIRROR = 2, EPSILON = 4, HORIZON = 8, OCCLUSION = 16, RECURSION = 32 };
+enum {
+    RECONSTRUCTION = 1,
+    MIRROR = 2,
+    EPSILON = 4,
+    HORIZON = 8,
+    OCCLUSION = 16,
+    RECURSION = 32,
+    REGISTRATION = 64
+};
 
-static const char *const names[] = {"reconstruction", "mirror",    "epsilon",
-                                    "horizon",        "occlusion", "recursion"};
+static const char *const names[] = {"reconstruction", "mirror",    "epsilon",     "horizon",
+                                    "occlusion",      "recursion", "registration"};
 
 const char *experiment_name(size_t k)
 {
@@ -20,9 +27,9 @@ const char *experiment_name(size_t k)
 
 /* Table 6.2's rows, and the two that others use. */
 static const char *const mirror_methods[] = {
-    "envmap",     "proxy",      "distance",   "angle",       "average",
-    "cosine-r:1", "cosine-r:4", "cosine-r:8", "cosine-r:16", "abs-r:4",
-    "cosine-n:1", "cosine-n:4", "cosine-n:8", "cosine-n:16",
+    "trace",   "envmap",     "proxy",      "distance",   "angle",
+    "average", "cosine-r:1", "cosine-r:4", "cosine-r:8", "cosine-r:16",
+    "abs-r:4", "cosine-n:1", "cosine-n:4", "cosine-n:8", "cosine-n:16",
 };
 enum { mirror_count = sizeof mirror_methods / sizeof mirror_methods[0] };
 
@@ -38,7 +45,7 @@ static ncr_status add_row(experiments *x, const char *experiment, const char *me
     report_row row = {.placement = "grid", .error = r->error};
     snprintf(row.experiment, sizeof row.experiment, "%s", experiment);
     snprintf(row.method, sizeof row.method, "%s", method);
-    if (f) {
+    if (f && strcmp(method, "trace")) {
         row.cube = f->cube;
         row.epsilon = f->epsilon;
         row.points = (uint32_t)f->baked.points.count;
@@ -108,7 +115,6 @@ static ncr_status full_pictures(experiments *x, const lab_field *f)
         {"envmap",
          "trace",
          {"environment map", "the teapot with an environment map's reflections"}},
-        {"proxy", "trace", {"environment map on a box", "the same with a box for a room"}},
     };
     report_page_row_begin(x->page, REPORT_PICTURES);
     ncr_status status =
@@ -152,8 +158,11 @@ static ncr_status mirror(experiments *x, const lab_field *f, bool show_pictures)
     for (size_t k = 0; status == NCR_OK && k < mirror_count; k++) {
         const lab_request q = {.method = mirror_methods[k], .term = NCR_TERM_REFLECT, .field = f};
         const caption words = {mirror_methods[k], "the reflection alone, by this method"};
+        const bool traced = !strcmp(mirror_methods[k], "trace");
+        if (traced && !show_pictures)
+            continue; /* once is enough: it does not depend on the cube */
         status = measure(x, "mirror", mirror_methods[k], &q, REPORT_FIGURES,
-                         show_pictures ? words : not_shown);
+                         show_pictures && !traced ? words : not_shown);
     }
     return status;
 }
@@ -223,6 +232,31 @@ static ncr_status occlusion(experiments *x, lab_field *f)
     return status;
 }
 
+/* What refining hits on the patch is worth: the same pixels from the triangles' own points. */
+static ncr_status registration(experiments *x, const lab_field *f)
+{
+    lab *l = x->l;
+    view raw;
+    const uint32_t size[2] = {l->v.gbuffer.width, l->v.gbuffer.height};
+    ncr_status status = view_open(l->a, &l->s, l->v.camera, size, true, &raw);
+    if (status != NCR_OK)
+        return status;
+    const lab_request refined = {.method = "nearest", .term = NCR_TERM_RECON, .field = f};
+    lab_request unrefined = refined, mirrored = refined;
+    unrefined.gbuffer = &raw.gbuffer;
+    mirrored = (lab_request){.method = "trace", .term = NCR_TERM_REFLECT, .gbuffer = &raw.gbuffer};
+    figures_registration(x, &raw.gbuffer);
+    status = measure(x, "registration", "nearest", &refined, REPORT_FIGURES, not_shown);
+    if (status == NCR_OK)
+        status = measure(x, "registration", "nearest, triangle hits", &unrefined, REPORT_FIGURES,
+                         not_shown);
+    if (status == NCR_OK)
+        status = measure(x, "registration", "trace, triangle hits", &mirrored, REPORT_FIGURES,
+                         not_shown);
+    view_close(l->a, &raw);
+    return status;
+}
+
 /* What one level of self-reflection leaves out: the mirror in the mirror. */
 static ncr_status recursion(experiments *x)
 {
@@ -239,62 +273,6 @@ static ncr_status recursion(experiments *x)
         status = measure(x, "recursion", label, &q, REPORT_FIGURES, not_shown);
     }
     lab_result_close(x->l, &full);
-    return status;
-}
-
-/* --- figures of the field itself ------------------------------------------------------------ */
-
-/* Figure 3.5: the nearest point of each pixel's texel, each point its own colour. */
-static ncr_status false_colour_figure(experiments *x, const lab_field *f)
-{
-    const ncr_gbuffer *g = &x->l->v.gbuffer;
-    const size_t pixels = (size_t)g->width * g->height;
-    uint8_t *rgb = ncr_alloc_zero(&x->l->a->ctx, pixels, 3);
-    if (!rgb)
-        return NCR_E_NOMEM;
-    picture_from_image(&x->l->background, x->l->exposure, rgb);
-    for (size_t k = 0; k < pixels; k++)
-        if (x->l->mask[k])
-            ncr_false_color(ncr_sample_map_at(f->map, g->patch[k], g->u[k], g->v[k])[0],
-                            rgb + 3 * k);
-    const ncr_status status =
-        report_page_rgb8(x->page, REPORT_FIGURES, "The nearest sample point of each texel",
-                         "the teapot in false colours, a patch of one colour for each point",
-                         g->width, g->height, rgb);
-    ncr_free(&x->l->a->ctx, rgb);
-    return status;
-}
-
-/* Figure 3.4: a captured cube, unfolded as a cross. */
-static ncr_status cube_figure(experiments *x, const lab_field *f)
-{
-    static const uint32_t column[6] = {2, 0, 1, 1, 1, 3}, row[6] = {1, 1, 0, 2, 1, 1};
-    const uint32_t n = f->cube;
-    ncr_image cross;
-    ncr_status status = ncr_image_init(&x->l->a->ctx, 4 * n, 3 * n, 3, &cross);
-    if (status != NCR_OK)
-        return status;
-    const uint32_t point = (uint32_t)(f->baked.points.count / 2);
-    for (uint32_t face = 0; face < 6; face++)
-        for (uint32_t y = 0; y < n; y++)
-            for (uint32_t i = 0; i < n; i++)
-                ncr_lightfield_texel(f->light, point, face, i, y,
-                                     ncr_image_at(&cross, column[face] * n + i, row[face] * n + y),
-                                     NULL);
-    status = report_page_image(x->page, REPORT_FIGURES, "The light captured at one point, unfolded",
-                               "six faces of a cube laid out as a cross", &cross, x->l->exposure);
-    ncr_image_dispose(&x->l->a->ctx, &cross);
-    return status;
-}
-
-static ncr_status field_figures(experiments *x, const lab_field *f)
-{
-    report_page_heading(x->page, REPORT_FIGURES, "Inside the field");
-    report_page_row_begin(x->page, REPORT_FIGURES);
-    ncr_status status = false_colour_figure(x, f);
-    if (status == NCR_OK)
-        status = cube_figure(x, f);
-    report_page_row_end(x->page, REPORT_FIGURES, NULL);
     return status;
 }
 
@@ -371,8 +349,10 @@ static ncr_status run_on_field(experiments *x, uint32_t chosen, lab_field *f, bo
         status = horizon(x, f);
     if (status == NCR_OK && first_cube && base_epsilon && chosen & OCCLUSION)
         status = occlusion(x, f);
+    if (status == NCR_OK && first_cube && base_epsilon && chosen & REGISTRATION)
+        status = registration(x, f);
     if (status == NCR_OK && first_cube && base_epsilon)
-        status = field_figures(x, f);
+        status = figures_of_field(x, f);
     return status;
 }
 
@@ -388,7 +368,7 @@ ncr_status experiments_run(experiments *x, uint32_t chosen)
         {p->cube[0], p->epsilon[1], p->epsilon[1] > 0 && chosen & EPSILON},
         {p->cube[1], p->epsilon[0], p->cube[1] && chosen & (RECONSTRUCTION | MIRROR)},
     };
-    ncr_status status = NCR_OK;
+    ncr_status status = figures_of_views(x);
     for (int k = 0; status == NCR_OK && k < 3; k++) {
         lab_field f;
         if (!fields[k].wanted)

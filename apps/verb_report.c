@@ -153,7 +153,7 @@ int verb_report(int argc, char **argv)
         {"--output", 'o', OPTION_TEXT, &o.folder, "DIR", "the folder to write (required)"},
         {"--preset", 0, OPTION_TEXT, &o.preset, "NAME", "quick, mid or thesis (default mid)"},
         {"--experiments", 0, OPTION_TEXT, &o.list, "LIST",
-         "reconstruction,mirror,epsilon,horizon,occlusion,recursion (default all)"},
+         "reconstruction,mirror,epsilon,horizon,occlusion,recursion,registration (default all)"},
         {"--repeats", 0, OPTION_COUNT, &o.repeats, "N", "timings per row, median (default 5)"},
         APP_OPTIONS(&o.common),
     };
