@@ -2,7 +2,7 @@
  * placement_grid.c - even steps in u and v, denser where texels would lack points.
  *
  * This file follows:
- * [T]  Ng, Andrew H. T.: Offset Surface Light Fields, 2003 (sections 3.2 and 6.3)
+ * [T]  J. Ang. Offset Surface Light Fields. 2003 (sections 3.2 and 6.3)
  *
  * The number of points that survive is known only after the removals and the raising, so the
  * spacing that gives a wanted number is searched for. */

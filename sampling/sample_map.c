@@ -2,7 +2,7 @@
  * sample_map.c - block by block over every chart: texels, bounds, candidates, the four nearest.
  *
  * This file follows:
- * [T]  Ng, Andrew H. T.: Offset Surface Light Fields, 2003 (section 3.3)
+ * [T]  J. Ang. Offset Surface Light Fields. 2003 (section 3.3)
  *
  * A block is 64 x 64 texels of one patch: the whole list of points is looked through once per
  * block, and each of its 16 x 16 tiles looks through what the block keeps. */

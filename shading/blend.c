@@ -8,7 +8,7 @@
 #include <math.h>
 
 /* This file follows:
- *   [T]   A. Ang. Offset Surface Light Fields. MMath thesis, University of Waterloo, 2003 */
+ *   [T]   J. Ang. Offset Surface Light Fields. MMath thesis, University of Waterloo, 2003 */
 
 /* Cosine between a unit axis and each offset; `alone` for an offset of length zero, which has no
  * direction and counts as lying along the normal.                                      [S-13] */

@@ -4,7 +4,7 @@
 #include "shading/method_internal.h"
 
 /* This file follows:
- *   [T]   A. Ang. Offset Surface Light Fields. MMath thesis, University of Waterloo, 2003 */
+ *   [T]   J. Ang. Offset Surface Light Fields. MMath thesis, University of Waterloo, 2003 */
 
 /* The definition, pixel by pixel. */
 static void weigh_pixel(const ncr_shade_job *job, const ncr_method *method, const ncr_run *run,

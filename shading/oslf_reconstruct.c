@@ -5,7 +5,7 @@
 #include <math.h>
 
 /* This file follows:
- *   [T]   A. Ang. Offset Surface Light Fields. MMath thesis, University of Waterloo, 2003 */
+ *   [T]   J. Ang. Offset Surface Light Fields. MMath thesis, University of Waterloo, 2003 */
 
 /* Elevation of the candidates over the tangent plane, as cosines with the normal; a point on the
  * surface itself counts as straight above [S-13]. Missing ones get -3, below any rule. */
