@@ -10,7 +10,7 @@ typedef struct bake_options {
     const char *scene, *field, *preset, *object, *placement, *occlusion;
     uint32_t points, cube, map;
     double spacing, epsilon, memory;
-    bool half, is_float, depth;
+    bool half, is_float, depth, fresh;
 } bake_options;
 
 /* What the field writer needs when the bake knows its points. */
@@ -20,7 +20,38 @@ typedef struct field_target {
     const bake_options *o;
     ncr_field_info info;
     ncr_field_writer *writer;
+    ncr_field_resumed resumed;
 } field_target;
+
+/* Beside what the field itself knows, a tile depends on the light, which the preset and the seed
+ * decide. Never 0. */
+static uint64_t resume_key(const stage *s, uint64_t seed)
+{
+    const ncr_irradiance_opts *light = &s->preset->irradiance;
+    uint64_t spacing, key = 0x9e3779b97f4a7c15;
+    memcpy(&spacing, &light->spacing, sizeof spacing);
+    const uint64_t parts[] = {seed, spacing, light->rays, light->bounces, s->object};
+    for (size_t k = 0; k < sizeof parts / sizeof parts[0]; k++)
+        key = (key ^ parts[k]) * 0xd6e8feb86659fd93 + (key >> 29);
+    return key | 1;
+}
+
+static void say_resumed(const field_target *t, uint64_t tiles)
+{
+    const ncr_field_resumed *r = &t->resumed;
+    if (r->tiles || r->damaged)
+        app_say(t->a, "going on with %s.partial: %llu of %llu tiles are there%s", t->o->field,
+                (unsigned long long)r->tiles, (unsigned long long)tiles,
+                r->damaged ? ", some are damaged and captured again" : "");
+    if (r->other)
+        app_say(t->a, "note: %s.partial was of another bake, this one begins anew", t->o->field);
+}
+
+/* Capture asks for each tile whether it may be left out. */
+static int has_tile(void *user, uint32_t point, uint32_t face, uint32_t x, uint32_t y)
+{
+    return ncr_field_writer_has(((const field_target *)user)->writer, point, face, x, y);
+}
 
 static double field_bytes(const ncr_baked *baked, uint32_t n, bool is_float, bool depth)
 {
@@ -39,7 +70,13 @@ static ncr_status open_field(void *user, const ncr_baked *baked, uint32_t n, boo
                         "allows %.0f",
                         bytes, baked->points.count, n, n, t->o->memory);
     t->info.cube = n;
-    return ncr_field_writer_create(&t->a->ctx, t->o->field, &t->info, baked, &t->writer, sink);
+    const ncr_status status =
+        ncr_field_writer_create(&t->a->ctx, t->o->field, &t->info, baked, &t->writer, sink);
+    if (status != NCR_OK)
+        return status;
+    t->resumed = ncr_field_writer_resumed(t->writer);
+    say_resumed(t, ncr_tile_number(n, (uint32_t)baked->points.count, 0, 0, 0));
+    return NCR_OK;
 }
 
 static ncr_status check_words(const bake_options *o, const ncr_ctx *ctx)
@@ -58,18 +95,29 @@ static ncr_status check_words(const bake_options *o, const ncr_ctx *ctx)
     return NCR_OK;
 }
 
+/* A bake that did not come to its end leaves its tiles for the next one. */
+static void leave_off(field_target *t)
+{
+    const uint64_t kept = ncr_field_writer_suspend(&t->a->ctx, t->writer);
+    if (t->writer)
+        app_say(t->a, "%llu finished tiles are kept in %s.partial; the same command goes on there",
+                (unsigned long long)kept, t->o->field);
+}
+
 static json_t *summary(const stage *s, const ncr_baked *baked, const ncr_bake_report *r,
                        uint64_t bytes, double write, double total)
 {
     return json_pack(
-        "{s:s, s:s, s:I, s:I, s:I, s:I, s:I, s:I, s:{s:f, s:f, s:f, s:f, s:f, s:f}, s:I, s:[]}",
+        "{s:s, s:s, s:I, s:I, s:I, s:I, s:I, s:I, s:{s:f, s:f, s:f, s:f, s:f, s:f}, s:I, s:{s:I, "
+        "s:I}, s:[]}",
         "schema", "nacre.bake/1", "object", ncr_scene_object_name(s->world->scene, s->object),
         "points", (json_int_t)baked->points.count, "patches", (json_int_t)baked->map.patch_count,
         "texels", (json_int_t)r->total.texels, "texels_short_of_four",
         (json_int_t)r->total.short_of_four, "texels_uncovered", (json_int_t)r->total.uncovered,
         "bytes", (json_int_t)bytes, "seconds", "light", s->light.seconds, "place", r->seconds.place,
         "maps", r->seconds.maps, "capture", r->seconds.capture, "write", write, "total", total,
-        "rays", (json_int_t)(stage_rays(&r->capture.rays) + r->map.rays + s->light.rays),
+        "rays", (json_int_t)(stage_rays(&r->capture.rays) + r->map.rays + s->light.rays), "tiles",
+        "captured", (json_int_t)r->capture.tiles, "resumed", (json_int_t)r->capture.tiles_skipped,
         "omitted");
 }
 
@@ -94,7 +142,9 @@ static ncr_status bake_field(const bake_options *o, stage *s, ncr_baked *baked,
                  .epsilon = epsilon,
                  .horizon_deg = 85,
                  .occlusion = occlusion,
-                 .frame = *ncr_scene_frame(s->world->scene)},
+                 .frame = *ncr_scene_frame(s->world->scene),
+                 .resume_key = resume_key(s, a->seed),
+                 .fresh = o->fresh},
     };
     const ncr_bake_opts opts = {
         .struct_size = sizeof opts,
@@ -107,13 +157,15 @@ static ncr_status bake_field(const bake_options *o, stage *s, ncr_baked *baked,
         .map = {.resolution = o->map ? o->map : s->preset->map, .occlusion = occlusion},
         .cube = o->cube ? o->cube : s->preset->cube[0],
         .depth = o->depth,
+        .skip = has_tile,
+        .skip_user = &target,
     };
     status = ncr_bake(&a->ctx, &s->tracer, &opts, open_field, &target, baked, report);
     const double began = app_seconds();
     if (status == NCR_OK)
         status = ncr_field_writer_finish(&a->ctx, target.writer, bytes);
     else
-        ncr_field_writer_abandon(&a->ctx, target.writer);
+        leave_off(&target);
     *write = app_seconds() - began;
     return status;
 }
@@ -178,6 +230,7 @@ int verb_bake(int argc, char **argv)
         {"--float", 0, OPTION_FLAG, &o.is_float, NULL, "store float radiance"},
         {"--depth", 0, OPTION_FLAG, &o.depth, NULL, "store the distance of each texel too"},
         {"--occlusion", 0, OPTION_TEXT, &o.occlusion, "off|on", "keep only points seen freely"},
+        {"--fresh", 0, OPTION_FLAG, &o.fresh, NULL, "begin anew, whatever an earlier bake left"},
         {"--memory", 0, OPTION_NUMBER, &o.memory, "BYTES", "refuse a larger field"},
         APP_OPTIONS(&o.common),
     };

@@ -39,9 +39,20 @@ typedef struct ncr_field_info {
     ncr_frame frame;
     size_t omitted_count;
     const ncr_field_omission *omitted; /* [omitted_count] */
+    /** What else decides the light, hashed: seed, settings of light and tracer. Nonzero: the bake
+     *  can be cut short at any moment and gone on with. 0: it cannot. */
+    uint64_t resume_key;
+    bool fresh; /* begin anew, whatever an earlier bake left */
 } ncr_field_info;
 
 typedef struct ncr_field_writer ncr_field_writer;
+
+/** What a writer found of a bake that was cut short. */
+typedef struct ncr_field_resumed {
+    uint64_t tiles;   /* finished, and their bytes as they should be */
+    uint64_t damaged; /* to be captured again */
+    bool other;       /* there was one of another bake, or of other settings; it is gone */
+} ncr_field_resumed;
 
 /**
  * Begin a field at `path` (a field that exists already is replaced at the end).
@@ -53,17 +64,30 @@ typedef struct ncr_field_writer ncr_field_writer;
  * @return       NCR_E_ARG (a value out of range, an object name over 255 bytes), NCR_E_IO (`path` is
  *               there and is no field, or another process writes it), NCR_E_LIMIT, NCR_E_NOMEM
  *
- * The context is borrowed until finish or abandon.
+ * The context is borrowed until finish, suspend or abandon.
+ *
+ * With a resume key, NAME.partial holds a journal of finished tiles. A process that ends at any
+ * moment leaves it behind, and the next writer of the same bake (same key, info, points, maps,
+ * version and instruction set) takes over the tiles whose bytes agree with it. Those must not be
+ * sent again: see ncr_field_writer_has. The field in the end is the same to the byte.
  */
 NCR_API ncr_status ncr_field_writer_create(const ncr_ctx *ctx, const char *path,
                                            const ncr_field_info *info, const ncr_baked *baked,
                                            ncr_field_writer **out, ncr_tile_sink *sink);
+NCR_API ncr_field_resumed ncr_field_writer_resumed(const ncr_field_writer *writer);
+/** Nonzero when this tile is there already. `writer` is void so that capture's skip callback can be
+ *  this function. */
+NCR_API int ncr_field_writer_has(void *writer, uint32_t point, uint32_t face, uint32_t x,
+                                 uint32_t y);
 /** All tiles are in: complete, sync, exchange into place. Consumes the writer either way; on
- *  failure the earlier field is intact. NCR_E_ARG names a point whose tiles did not all come.
- *  *bytes (may be NULL): of all files together. */
+ *  failure the earlier field is intact, and a bake that can be gone on with is suspended. NCR_E_ARG
+ *  names a point whose tiles did not all come. *bytes (may be NULL): of all files together. */
 NCR_API ncr_status ncr_field_writer_finish(const ncr_ctx *ctx, ncr_field_writer *writer,
                                            uint64_t *bytes);
-/** Give up: remove what was written. */
+/** Leave off: make durable what is there, for a later bake to go on from. Without a resume key the
+ *  same as abandon. NULL is a no-op. Returns how many tiles are kept. */
+NCR_API uint64_t ncr_field_writer_suspend(const ncr_ctx *ctx, ncr_field_writer *writer);
+/** Give up: remove what was written. NULL is a no-op. */
 NCR_API void ncr_field_writer_abandon(const ncr_ctx *ctx, ncr_field_writer *writer);
 
 /** A field read back whole. */

@@ -5,8 +5,6 @@
 
 #include "io/field_file.h"
 
-#include <stdatomic.h>
-
 _Static_assert(__BYTE_ORDER__ == __ORDER_LITTLE_ENDIAN__,
                "field files are little-endian and are read and written as they lie in memory");
 
@@ -56,6 +54,10 @@ void ncr_field_manifest_dispose(const ncr_ctx *ctx, ncr_field_manifest *manifest
 /* Size and CRC-32 (as gzip and PNG) of a file. */
 ncr_status ncr_field_entry_of(const ncr_ctx *ctx, const char *path, ncr_field_entry *out);
 
+/* Which bake it is: never 0. `key` is the caller's. */
+uint64_t ncr_field_fingerprint(uint64_t key, const ncr_field_manifest *manifest,
+                               const ncr_baked *baked);
+
 /* ---- points.ply, charts.bin, maps-P.png ---- */
 
 ncr_status ncr_field_points_write(const ncr_ctx *ctx, const char *path, const ncr_points *points);
@@ -66,44 +68,5 @@ ncr_status ncr_field_points_read(const ncr_ctx *ctx, const char *path, uint32_t 
 ncr_status ncr_field_map_write(const ncr_ctx *ctx, const char *folder, const ncr_sample_map *map);
 ncr_status ncr_field_map_read(const ncr_ctx *ctx, const char *folder,
                               const ncr_field_manifest *manifest, ncr_sample_map *out);
-
-/* ---- radiance.exr ---- */
-
-/* Where each texel's bytes lie: every chunk has the same size, and they follow one another. */
-typedef struct ncr_radiance_layout {
-    uint32_t n, points;
-    bool half, depth;
-    uint32_t tile_width, tile_height; /* tile_width divides n, tile_height too */
-    uint32_t columns, rows;           /* tiles across and down the image */
-    size_t line_bytes;                /* one line of a tile: B, G, R, Z rows of it */
-    size_t chunk_bytes;               /* with the 20 bytes before the pixels */
-    uint64_t table_at, chunks_at, file_bytes;
-} ncr_radiance_layout;
-
-typedef struct ncr_radiance_file {
-    const ncr_ctx *ctx;
-    const char *path; /* borrowed */
-    int fd;
-    int exponent;
-    ncr_radiance_layout layout;
-    _Atomic uint64_t clamped;
-    _Atomic uint32_t *arrived; /* [points] texels that came */
-} ncr_radiance_file;
-
-/* NCR_E_LIMIT when the image is too large for a tiled OpenEXR file. */
-ncr_status ncr_radiance_layout_make(const ncr_ctx *ctx, const ncr_field_manifest *manifest,
-                                    ncr_radiance_layout *out);
-
-ncr_status ncr_radiance_create(const ncr_ctx *ctx, const char *path,
-                               const ncr_field_manifest *manifest, ncr_radiance_file *out);
-/* The sink's function; `user` is the ncr_radiance_file. */
-ncr_status ncr_radiance_write(void *user, const ncr_tile *tile);
-/* Every texel came: sync. The file stays open until close. */
-ncr_status ncr_radiance_finish(ncr_radiance_file *file);
-void ncr_radiance_close(ncr_radiance_file *file);
-
-/* Read all tiles into a new, sealed light field. */
-ncr_status ncr_radiance_read(const ncr_ctx *ctx, const char *path,
-                             const ncr_field_manifest *manifest, ncr_lightfield **out);
 
 #endif

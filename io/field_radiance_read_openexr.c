@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 #include "core/half.h"
 #include "io/exr_stream_openexr_internal.h"
-#include "io/field_internal.h"
+#include "io/field_radiance_internal.h"
 
 #include <math.h>
 #include <stdatomic.h>

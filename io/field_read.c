@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 #include "io/atomic_file_internal.h"
-#include "io/field_internal.h"
+#include "io/field_radiance_internal.h"
 
 #include <errno.h>
 #include <string.h>

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 #define _GNU_SOURCE /* renameat2 */
 #include "io/atomic_file_internal.h"
-#include "io/field_internal.h"
+#include "io/field_radiance_internal.h"
 
 #include <dirent.h>
 #include <errno.h>
@@ -12,9 +12,14 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+static const char radiance_name[] = "radiance.exr", journal_name[] = "tiles.journal";
+
 struct ncr_field_writer {
-    ncr_field_path path, partial, radiance_path;
-    int folder; /* of `partial`, locked while we write */
+    ncr_field_path path, partial, radiance_path, journal_path;
+    int folder;           /* of `partial`, locked while we write */
+    uint64_t fingerprint; /* of the bake; 0: it cannot be gone on with */
+    bool keep;            /* finished tiles are there, of this bake */
+    ncr_field_resumed resumed;
     ncr_field_manifest manifest;
     ncr_radiance_file radiance;
     size_t omitted_count;
@@ -33,10 +38,11 @@ static bool is_page_name(const char *name)
 /* Also what an interrupted atomic write left of one. */
 static bool is_field_file(const char *name)
 {
-    static const char *const known[] = {"field.json", "points.ply", "charts.bin", "radiance.exr"};
+    static const char *const known[] = {"field.json", "points.ply", "charts.bin", radiance_name,
+                                        journal_name};
     const char *end = strrchr(name, '.');
     const bool temporary = end && !strcmp(end, ".tmp");
-    for (int k = 0; k < 4; k++) {
+    for (int k = 0; k < 5; k++) {
         const size_t length = strlen(known[k]);
         if (!strcmp(name, known[k]) || (temporary && !strncmp(name, known[k], length)))
             return true;
@@ -67,13 +73,14 @@ static ncr_status check_replaceable(const ncr_ctx *ctx, const char *path)
     return status;
 }
 
-static void remove_files(const char *path)
+static void remove_files(const char *path, bool keep_tiles)
 {
     DIR *folder = opendir(path);
     if (!folder)
         return;
     for (struct dirent *e; (e = readdir(folder));) {
-        if (is_field_file(e->d_name))
+        const bool tiles = !strcmp(e->d_name, radiance_name) || !strcmp(e->d_name, journal_name);
+        if (is_field_file(e->d_name) && !(keep_tiles && tiles))
             unlinkat(dirfd(folder), e->d_name, 0);
     }
     closedir(folder);
@@ -81,7 +88,7 @@ static void remove_files(const char *path)
 
 static void remove_field(const char *path)
 {
-    remove_files(path);
+    remove_files(path, false);
     rmdir(path);
 }
 
@@ -101,8 +108,21 @@ static ncr_status open_partial(const ncr_ctx *ctx, ncr_field_writer *w)
         w->folder = -1;
         return ncr_fail(ctx, NCR_E_IO, "%s: cannot be locked, another process writes it", path);
     }
-    remove_files(path);
     return NCR_OK;
+}
+
+/* Keep the tiles that an earlier process finished, if they are of this bake. */
+static void look_at_partial(ncr_field_writer *w, bool fresh)
+{
+    const ncr_journal_kind kind = ncr_journal_probe(w->journal_path.text, w->fingerprint);
+    ncr_radiance_layout layout;
+    struct stat info;
+    w->keep = kind == NCR_JOURNAL_SAME && w->fingerprint && !fresh &&
+              ncr_radiance_layout_make(NULL, &w->manifest, &layout) == NCR_OK &&
+              stat(w->radiance_path.text, &info) == 0 &&
+              (uint64_t)info.st_size == layout.file_bytes;
+    w->resumed.other = kind == NCR_JOURNAL_OTHER;
+    remove_files(w->partial.text, w->keep);
 }
 
 static ncr_status set_paths(const ncr_ctx *ctx, const char *path, ncr_field_writer *w)
@@ -115,8 +135,20 @@ static ncr_status set_paths(const ncr_ctx *ctx, const char *path, ncr_field_writ
     memcpy(w->path.text, path, length);
     memcpy(w->partial.text, path, length);
     memcpy(w->partial.text + length, ".partial", 9);
-    w->radiance_path = ncr_field_join(w->partial.text, "radiance.exr");
+    w->radiance_path = ncr_field_join(w->partial.text, radiance_name);
+    w->journal_path = ncr_field_join(w->partial.text, journal_name);
     return check_replaceable(ctx, w->path.text);
+}
+
+static ncr_status sync_parent(const ncr_ctx *ctx, const char *path)
+{
+    ncr_field_path parent;
+    strcpy(parent.text, path);
+    char *slash = strrchr(parent.text, '/');
+    if (!slash)
+        return ncr_folder_sync(ctx, ".");
+    slash[slash == parent.text] = 0;
+    return ncr_folder_sync(ctx, parent.text);
 }
 
 /* ---- What field.json will say ---- */
@@ -212,6 +244,50 @@ void ncr_field_writer_abandon(const ncr_ctx *ctx, ncr_field_writer *writer)
     release(ctx, writer);
 }
 
+uint64_t ncr_field_writer_suspend(const ncr_ctx *ctx, ncr_field_writer *writer)
+{
+    uint64_t tiles = 0;
+    if (!writer || !writer->fingerprint) {
+        ncr_field_writer_abandon(ctx, writer);
+        return 0;
+    }
+    for (size_t k = 0; k < ncr_radiance_cells(&writer->radiance.layout); k++)
+        tiles += ncr_radiance_has(&writer->radiance, k);
+    ncr_radiance_sync(&writer->radiance);
+    release(ctx, writer);
+    return tiles;
+}
+
+ncr_field_resumed ncr_field_writer_resumed(const ncr_field_writer *writer)
+{
+    return writer->resumed;
+}
+
+int ncr_field_writer_has(void *writer, uint32_t point, uint32_t face, uint32_t x, uint32_t y)
+{
+    const ncr_radiance_file *f = &((const ncr_field_writer *)writer)->radiance;
+    return ncr_radiance_has(f, ncr_tile_number(f->layout.n, point, face, x, y));
+}
+
+/* The journal comes last: while there is none, nothing is there to go on from. */
+static ncr_status begin_radiance(const ncr_ctx *ctx, ncr_field_writer *w)
+{
+    ncr_radiance_file *f = &w->radiance;
+    ncr_status status = ncr_radiance_create(ctx, w->radiance_path.text, &w->manifest, w->keep, f);
+    if (status != NCR_OK || !w->fingerprint)
+        return status;
+    if (w->keep) {
+        status = ncr_journal_reopen(ctx, w->journal_path.text, &f->journal);
+        if (status == NCR_OK)
+            status = ncr_radiance_resume(f, &w->resumed.tiles, &w->resumed.damaged);
+        return status;
+    }
+    status = ncr_journal_create(ctx, w->journal_path.text, w->fingerprint, &f->journal);
+    if (status == NCR_OK)
+        status = ncr_folder_sync(ctx, w->partial.text);
+    return status == NCR_OK ? sync_parent(ctx, w->partial.text) : status;
+}
+
 static ncr_status begin(const ncr_ctx *ctx, const char *path, const ncr_field_info *info,
                         const ncr_baked *baked, ncr_field_writer *w)
 {
@@ -222,15 +298,19 @@ static ncr_status begin(const ncr_ctx *ctx, const char *path, const ncr_field_in
         status = make_manifest(ctx, info, baked, &w->manifest);
     if (status == NCR_OK)
         status = copy_omissions(ctx, info, w);
+    if (status == NCR_OK && info->resume_key)
+        w->fingerprint = ncr_field_fingerprint(info->resume_key, &w->manifest, baked);
     if (status == NCR_OK)
         status = open_partial(ctx, w);
-    if (status == NCR_OK)
+    if (status == NCR_OK) {
+        look_at_partial(w, info->fresh);
         status = ncr_field_points_write(ctx, ncr_field_join(w->partial.text, "points.ply").text,
                                         &baked->points);
+    }
     if (status == NCR_OK)
         status = ncr_field_map_write(ctx, w->partial.text, &baked->map);
     if (status == NCR_OK)
-        status = ncr_radiance_create(ctx, w->radiance_path.text, &w->manifest, &w->radiance);
+        status = begin_radiance(ctx, w);
     return status;
 }
 
@@ -242,11 +322,14 @@ ncr_status ncr_field_writer_create(const ncr_ctx *ctx, const char *path, const n
     ncr_field_writer *w = ncr_alloc_zero(ctx, 1, sizeof *w);
     if (!w)
         return NCR_E_NOMEM;
-    w->folder = w->radiance.fd = -1;
+    w->folder = w->radiance.fd = w->radiance.journal.fd = -1;
     w->radiance.ctx = ctx;
     const ncr_status status = begin(ctx, path, info, baked, w);
     if (status != NCR_OK) {
-        ncr_field_writer_abandon(ctx, w);
+        if (w->keep)
+            release(ctx, w); /* the tiles that were there stay for another try */
+        else
+            ncr_field_writer_abandon(ctx, w);
         return status;
     }
     *out = w;
@@ -269,17 +352,6 @@ static ncr_status sum_files(const ncr_ctx *ctx, ncr_field_writer *w)
     return NCR_OK;
 }
 
-static ncr_status sync_parent(const ncr_ctx *ctx, const char *path)
-{
-    ncr_field_path parent;
-    strcpy(parent.text, path);
-    char *slash = strrchr(parent.text, '/');
-    if (!slash)
-        return ncr_folder_sync(ctx, ".");
-    slash[slash == parent.text] = 0;
-    return ncr_folder_sync(ctx, parent.text);
-}
-
 /* The moment of exchange: one system call, so that at every instant a whole field is there. */
 static ncr_status put_in_place(const ncr_ctx *ctx, const ncr_field_writer *w)
 {
@@ -290,7 +362,8 @@ static ncr_status put_in_place(const ncr_ctx *ctx, const ncr_field_writer *w)
     if (renameat2(AT_FDCWD, from, AT_FDCWD, to, flags) != 0)
         return ncr_fail(ctx, NCR_E_IO, "%s: cannot be put in place: %s", to, strerror(errno));
     if (replaces)
-        remove_field(from); /* it is the earlier field now */
+        remove_field(from);               /* it is the earlier field now */
+    unlinkat(w->folder, journal_name, 0); /* of the new one; only now is it of no more use */
     return sync_parent(ctx, to);
 }
 
@@ -328,6 +401,6 @@ ncr_status ncr_field_writer_finish(const ncr_ctx *ctx, ncr_field_writer *writer,
     if (status == NCR_OK)
         release(ctx, writer);
     else
-        ncr_field_writer_abandon(ctx, writer);
+        ncr_field_writer_suspend(ctx, writer);
     return status;
 }

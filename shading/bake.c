@@ -84,9 +84,10 @@ static ncr_status capture(const ncr_ctx *ctx, const ncr_tracer *tracer, const nc
     if (!position)
         return NCR_E_NOMEM;
     ncr_points_to_frame(points, ncr_scene_frame(tracer->world->scene), position);
-    const ncr_status status =
-        ncr_capture(ctx, &diffuse, points->count, position, n,
-                    NCR_OPTS(ncr_capture_opts, .depth = opts->depth), sink, &report->capture);
+    const ncr_status status = ncr_capture(ctx, &diffuse, points->count, position, n,
+                                          NCR_OPTS(ncr_capture_opts, .depth = opts->depth,
+                                                   .skip = opts->skip, .user = opts->skip_user),
+                                          sink, &report->capture);
     ncr_free(ctx, position);
     return status;
 }

@@ -19,6 +19,9 @@ typedef struct ncr_bake_opts {
     bool depth;
     /** Instead of placing: these points (borrowed), for a caller's own placement. NULL: place. */
     const ncr_points *points;
+    /** As ncr_capture_opts: tiles to leave out or that are there already. Called after sink_for. */
+    int (*skip)(void *user, uint32_t point, uint32_t face, uint32_t x, uint32_t y);
+    void *skip_user;
 } ncr_bake_opts;
 
 typedef struct ncr_bake_report {

@@ -19,6 +19,20 @@ typedef struct ncr_tile {
     const float *z;   /* [height][width] radial distance, frame units, +inf for sky; NULL: none */
 } ncr_tile;
 
+/** Tiles as capture cuts them: 64x64 texels, or what fits of them into the face; numbered by
+ *  point, face, row, column. Maps of tiles to keep, to leave out or to resume go by this number. */
+static inline uint32_t ncr_tiles_across(uint32_t n)
+{
+    return (n + NCR_TILE_SIDE - 1) / NCR_TILE_SIDE;
+}
+
+static inline size_t ncr_tile_number(uint32_t n, uint32_t point, uint32_t face, uint32_t x,
+                                     uint32_t y)
+{
+    const uint32_t across = ncr_tiles_across(n);
+    return (((size_t)point * 6 + face) * across + y / NCR_TILE_SIDE) * across + x / NCR_TILE_SIDE;
+}
+
 /** Where capture puts tiles: a light field in memory, a file, a test. `write` may be called from
  *  several threads at once, each tile once, in any order. */
 typedef struct ncr_tile_sink {
