@@ -352,7 +352,8 @@ static ncr_status sum_files(const ncr_ctx *ctx, ncr_field_writer *w)
     return NCR_OK;
 }
 
-/* The moment of exchange: one system call, so that at every instant a whole field is there. */
+/* The moment of exchange: one system call, so that at every instant a whole field is there. The
+ * earlier field goes only when a loss of power could not bring it back without its files. */
 static ncr_status put_in_place(const ncr_ctx *ctx, const ncr_field_writer *w)
 {
     const char *from = w->partial.text, *to = w->path.text;
@@ -361,10 +362,15 @@ static ncr_status put_in_place(const ncr_ctx *ctx, const ncr_field_writer *w)
     const unsigned flags = replaces ? RENAME_EXCHANGE : RENAME_NOREPLACE;
     if (renameat2(AT_FDCWD, from, AT_FDCWD, to, flags) != 0)
         return ncr_fail(ctx, NCR_E_IO, "%s: cannot be put in place: %s", to, strerror(errno));
+    const ncr_status status = sync_parent(ctx, to);
+    if (status != NCR_OK) {
+        renameat2(AT_FDCWD, to, AT_FDCWD, from, flags);
+        return status;
+    }
     if (replaces)
         remove_field(from);               /* it is the earlier field now */
     unlinkat(w->folder, journal_name, 0); /* of the new one; only now is it of no more use */
-    return sync_parent(ctx, to);
+    return NCR_OK;
 }
 
 static ncr_status complete(const ncr_ctx *ctx, ncr_field_writer *w, uint64_t *bytes)
