@@ -1,0 +1,14 @@
+/* SPDX-License-Identifier: MIT */
+#include "shading/legendre_kernel_internal.h"
+#include "shading/rows_kernel_internal.h"
+
+const ncr_sht_kernels ncr_sht_avx512 = {
+    .lanes = LANES,
+    .scan = scan_texels,
+    .spread = spread,
+    .gather = gather,
+    .rows_to_spectrum = rows_to_spectrum,
+    .spectrum_to_rows = spectrum_to_rows,
+    .analyse_order = analyse_order,
+    .synthesise_order = synthesise_order,
+};
