@@ -378,6 +378,85 @@ static void an_uncovered_pixel_sees_the_probe(void **state)
     rig_dispose(&r);
 }
 
+/* A quarter turn about z, then one about x: exact in every number. */
+static void turn(const double in[3], double out[3])
+{
+    const double x = -in[1], y = in[0], z = in[2];
+    out[0] = x;
+    out[1] = -z;
+    out[2] = y;
+}
+
+static void turn_back(const double in[3], double out[3])
+{
+    const double x = in[0], y = in[2], z = -in[1];
+    out[0] = y;
+    out[1] = -x;
+    out[2] = z;
+}
+
+/* The smooth room, turned. */
+static void turned_room(const void *user, const double p[3], const double d[3], double rgb[3])
+{
+    double q[3], e[3];
+    turn_back(p, q);
+    turn_back(d, e);
+    spherical_room(user, q, e, rgb);
+}
+
+static ncr_vec3 turned(ncr_vec3 v)
+{
+    double in[3], out[3];
+    v_to_d(v, in);
+    turn(in, out);
+    return d_to_v(out);
+}
+
+static void a_turned_scene_gives_the_same_image(void **state)
+{
+    (void)state;
+    const double radius = 0.8;
+    rig r, t;
+    rig_sphere(&r, 40, 0.3, 150, 0.06);
+    rig_sphere(&t, 40, 0.3, 150, 0.06);
+    for (size_t k = 0; k < 40 * 40; k++)
+        rig_set_pixel(&t, k, turned(rig_x(&r, k)), turned(rig_n(&r, k)),
+                      turned(v_make(r.g.vx[k], r.g.vy[k], r.g.vz[k])));
+    for (size_t p = 0; p < 150; p++)
+        turn(r.points.at[p].position, t.points.at[p].position);
+    rig_choose(&t);
+    rig_light_up(&r, 24, NCR_TEXEL_FLOAT, (rig_light){spherical_room, &radius});
+    rig_light_up(&t, 24, NCR_TEXEL_FLOAT, (rig_light){turned_room, &radius});
+    for (int m = 0; m < mirror_count; m++) {
+        ncr_image straight = rig_shade(&r, mirrors[m], NCR_TERM_FULL, NULL);
+        ncr_image around = rig_shade(&t, mirrors[m], NCR_TERM_FULL, NULL);
+        for (size_t k = 0; k < 3 * 40 * 40; k++)
+            CHECK_NEAR(around.data[k], straight.data[k], 1e-5);
+        ncr_image_dispose(NULL, &straight);
+        ncr_image_dispose(NULL, &around);
+    }
+    rig_dispose(&r);
+    rig_dispose(&t);
+}
+
+/* First-order parallax: what a point p sees along r differs from what x sees by the wall's gradient
+ * times the offset across r. Half the offsets, half the error.                        [A-47] */
+static void errors_shrink_with_the_distance_of_points(void **state)
+{
+    (void)state;
+    const double radius = 0.8;
+    const rig_light light = {spherical_room, &radius};
+    double error[2];
+    for (int k = 0; k < 2; k++) {
+        rig r;
+        rig_sphere(&r, 32, 0.3, (size_t)200 << 2 * k, 0.04 / (1 << k));
+        rig_light_up(&r, 32, NCR_TEXEL_HALF, light);
+        error[k] = rig_mirror_rmse(&r, "distance", light);
+        rig_dispose(&r);
+    }
+    CHECK_NEAR(log2(error[0] / error[1]), 1, 0.15);
+}
+
 /* --- images ---------------------------------------------------------------------------------- */
 
 static void full_is_surface_plus_mirror(void **state)
@@ -445,6 +524,8 @@ int main(void)
         cmocka_unit_test(near_light_needs_more_than_one_place),
         cmocka_unit_test(a_proxy_is_exact_in_an_empty_box),
         cmocka_unit_test(an_uncovered_pixel_sees_the_probe),
+        cmocka_unit_test(a_turned_scene_gives_the_same_image),
+        cmocka_unit_test(errors_shrink_with_the_distance_of_points),
         cmocka_unit_test(full_is_surface_plus_mirror),
         cmocka_unit_test(images_do_not_depend_on_the_number_of_workers),
     };
