@@ -1,0 +1,105 @@
+/* SPDX-License-Identifier: MIT
+ * seeds.c - writes small files of every format into the folders of a fuzzing corpus:
+ *
+ *     fuzz_seeds CORPUS      with CORPUS/{hdr,exr,png_map,field} there already */
+#include "small_field.h"
+
+#include "io/image_file.h"
+#include "tests/exr_sample_openexr.h"
+
+enum { side = 17 };
+
+static fuzz_path in(const char *corpus, const char *name)
+{
+    fuzz_path p;
+    snprintf(p.text, sizeof p.text, "%.150s/%.90s", corpus, name);
+    return p;
+}
+
+static void fill(float *data, size_t count)
+{
+    for (size_t k = 0; k < count; k++)
+        data[k] = (float)(k * k % 23) / 8;
+}
+
+static void write_images(const char *corpus)
+{
+    static const struct {
+        const char *name;
+        uint32_t channels;
+    } images[] = {{"hdr/runs.hdr", 3},     {"png_map/gray.png", 1}, {"png_map/rgb.png", 3},
+                  {"png_map/rgba.png", 4}, {"exr/y.exr", 1},        {"exr/rgba.exr", 4}};
+    for (size_t k = 0; k < sizeof images / sizeof images[0]; k++) {
+        ncr_image image;
+        FUZZ_CHECK(ncr_image_init(NULL, side, side, images[k].channels, &image) == NCR_OK);
+        fill(image.data, (size_t)side * side * images[k].channels);
+        FUZZ_CHECK(ncr_image_write(NULL, in(corpus, images[k].name).text, &image, NULL) == NCR_OK);
+        ncr_image_dispose(NULL, &image);
+    }
+    uint16_t words[4 * side * side];
+    for (size_t k = 0; k < sizeof words / sizeof words[0]; k++)
+        words[k] = (uint16_t)(k * 77);
+    FUZZ_CHECK(ncr_png16_write(NULL, in(corpus, "png_map/map.png").text, side, side, 4, words) ==
+               NCR_OK);
+}
+
+/* Flat pixels, repeats of the old kind, and turned axes. */
+static void write_hdr_texts(const char *corpus)
+{
+    static const char old_runs[] = "#?RADIANCE\nEXPOSURE=2\nCOLORCORR=1 2 3\n"
+                                   "FORMAT=32-bit_rle_rgbe\n\n+X 2 -Y 6\n"
+                                   "abcd\1\1\1\5efghijkl\1\1\1\4";
+    fuzz_put(in(corpus, "hdr/old.hdr").text, old_runs, sizeof old_runs - 1);
+}
+
+static void write_exr_samples(const char *corpus)
+{
+    static const float primaries[8] = {0.7f, 0.3f, 0.2f, 0.7f, 0.15f, 0.05f, 0.32f, 0.33f};
+    float data[3 * side * side];
+    fill(data, sizeof data / sizeof data[0]);
+    for (int k = 0; k < 30; k++) {
+        char name[64];
+        snprintf(name, sizeof name, "exr/sample-%d.exr", k);
+        const exr_sample sample = {.width = side,
+                                   .height = side,
+                                   .min_x = k % 4 - 2,
+                                   .min_y = k % 3,
+                                   .compression = k % 10,
+                                   .type = k % 3,
+                                   .tile = k % 4 == 1 ? 8 : 0,
+                                   .mip = k % 8 == 1,
+                                   .decreasing = k % 5 == 2,
+                                   .primaries = k % 7 == 3 ? primaries : NULL,
+                                   .channels = k % 6 == 5 ? "Y" : "RGB",
+                                   .data = data};
+        FUZZ_CHECK(exr_sample_write(in(corpus, name).text, &sample) == 0);
+    }
+}
+
+/* Each file of a field, after the byte that fuzz_field.c tells files by. */
+static void write_field_files(const char *corpus)
+{
+    small_field_write(fuzz_at("small.field").text);
+    for (size_t k = 0; k < small_file_count; k++) {
+        char name[64];
+        size_t size;
+        snprintf(name, sizeof name, "small.field/%s", small_files[k]);
+        uint8_t *data = fuzz_get(fuzz_at(name).text, &size);
+        memmove(data + 1, data, size);
+        data[0] = (uint8_t)k;
+        snprintf(name, sizeof name, "field/%s", small_files[k]);
+        fuzz_put(in(corpus, name).text, data, size + 1);
+        free(data);
+    }
+}
+
+int main(int argc, char **argv)
+{
+    if (argc != 2)
+        return 2;
+    write_images(argv[1]);
+    write_hdr_texts(argv[1]);
+    write_exr_samples(argv[1]);
+    write_field_files(argv[1]);
+    return 0;
+}
