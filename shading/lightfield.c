@@ -1,4 +1,5 @@
 /* SPDX-License-Identifier: MIT */
+#define _DEFAULT_SOURCE /* madvise */
 #include "shading/lightfield.h"
 
 #include "core/half.h"
@@ -9,6 +10,7 @@
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/mman.h>
 
 /* This file follows:
  *   [H 2.4]   W. Heidrich. Environment Maps And Their Applications, 2000 */
@@ -20,12 +22,31 @@ static size_t texel_bytes(ncr_texel_format format)
     return format == NCR_TEXEL_HALF ? 4 * sizeof(uint16_t) : 4 * sizeof(float);
 }
 
+/* Zeros in large pages where the system has them: a field is hundreds of megabytes, in which
+ * look-ups jump about. Up to twice the rate on processors with few entries for pages, and far
+ * fewer faults while it is filled. */
+static void *alloc_texels(const ncr_ctx *ctx, size_t count, size_t size)
+{
+    if (count > SIZE_MAX / size)
+        return NULL;
+    void *texels = ncr_alloc(ctx, count * size);
+    if (!texels)
+        return NULL;
+#ifdef MADV_HUGEPAGE
+    const uintptr_t page = 4096, begin = ((uintptr_t)texels + page - 1) & ~(page - 1);
+    const uintptr_t end = ((uintptr_t)texels + count * size) & ~(page - 1);
+    if (end > begin)
+        (void)madvise((void *)begin, end - begin, MADV_HUGEPAGE); /* a wish: failure is harmless */
+#endif
+    return memset(texels, 0, count * size);
+}
+
 /* Addresses run in 64 bits: 65535 points of 4096 texels exceed 32 by far; what does not fit into
  * memory is the allocator's to refuse. */
 static ncr_status allocate(const ncr_ctx *ctx, ncr_lightfield *field, bool depth)
 {
     const size_t texels = field->points * field->point_texels;
-    field->texels = ncr_alloc_zero(ctx, texels, texel_bytes(field->format));
+    field->texels = alloc_texels(ctx, texels, texel_bytes(field->format));
     if (!field->texels)
         return NCR_E_NOMEM;
     field->bytes = texels * texel_bytes(field->format);
