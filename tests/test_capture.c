@@ -254,6 +254,65 @@ static void the_sinks_failure_ends_the_capture(void **state)
     world_dispose(&w);
 }
 
+static void *count_alloc(void *user, size_t size, size_t align)
+{
+    long *left = user;
+    return (*left)-- > 0 ? aligned_alloc(align, (size + align - 1) / align * align) : NULL;
+}
+
+static void plain_release(void *user, void *ptr, size_t size)
+{
+    (void)user, (void)size;
+    free(ptr);
+}
+
+static void every_refused_allocation_is_survived(void **state)
+{
+    (void)state;
+    test_world w = {0};
+    fill_garden(&w);
+    const ncr_tracer tracer = world_tracer(&w);
+    const ncr_vec3 p = {0.5f, 0, 0.3f};
+    keep k = new_keep(1, 8);
+    const ncr_tile_sink sink = {&k, keep_tile};
+    ncr_status status = NCR_E_NOMEM;
+    for (long n = 0; status != NCR_OK; n++) {
+        long left = n;
+        const ncr_ctx ctx = {.struct_size = sizeof ctx,
+                             .user = &left,
+                             .alloc = count_alloc,
+                             .release = plain_release,
+                             .workers = 1};
+        status = ncr_capture(&ctx, &tracer, 1, &p, 8, NULL, &sink, NULL);
+        assert_true(status == NCR_OK || status == NCR_E_NOMEM);
+        assert_true(n < 10);
+    }
+    free_keep(&k);
+    world_dispose(&w);
+}
+
+static int always(void *user)
+{
+    (void)user;
+    return 1;
+}
+
+static void a_host_may_cancel(void **state)
+{
+    (void)state;
+    test_world w = {0};
+    fill_garden(&w);
+    const ncr_tracer tracer = world_tracer(&w);
+    const ncr_vec3 p = {0.5f, 0, 0.3f};
+    keep k = new_keep(1, 8);
+    const ncr_tile_sink sink = {&k, keep_tile};
+    const ncr_ctx ctx = {.struct_size = sizeof ctx, .cancelled = always};
+    CHECK_STATUS(NCR_E_CANCELLED, ncr_capture(&ctx, &tracer, 1, &p, 8, NULL, &sink, NULL));
+    assert_int_equal(k.times[0], 0);
+    free_keep(&k);
+    world_dispose(&w);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -262,6 +321,8 @@ int main(void)
         cmocka_unit_test(light_does_not_depend_on_the_workers),
         cmocka_unit_test(skipped_tiles_are_neither_traced_nor_written),
         cmocka_unit_test(the_sinks_failure_ends_the_capture),
+        cmocka_unit_test(every_refused_allocation_is_survived),
+        cmocka_unit_test(a_host_may_cancel),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
