@@ -39,6 +39,10 @@ typedef struct ncr_field_info {
     ncr_frame frame;
     size_t omitted_count;
     const ncr_field_omission *omitted; /* [omitted_count] */
+    /** [(tiles + 7) / 8] tiles that will not come: bit k % 8 of byte k / 8 is set for the tile of
+     *  ncr_tile_number k. They are stored as zeros and listed in field.json; a look-up that touches
+     *  one is counted as trapped. Copied. NULL: all will come. */
+    const uint8_t *omitted_tiles;
     /** What else decides the light, hashed: seed, settings of light and tracer. Nonzero: the bake
      *  can be cut short at any moment and gone on with. 0: it cannot. */
     uint64_t resume_key;
@@ -81,7 +85,7 @@ NCR_API int ncr_field_writer_has(void *writer, uint32_t point, uint32_t face, ui
                                  uint32_t y);
 /** All tiles are in: complete, sync, exchange into place. Consumes the writer either way; on
  *  failure the earlier field is intact, and a bake that can be gone on with is suspended. NCR_E_ARG
- *  names a point whose tiles did not all come. *bytes (may be NULL): of all files together. */
+ *  names a point whose tiles did not all come, or came though they were to be left out. *bytes (may be NULL): of all files together. */
 NCR_API ncr_status ncr_field_writer_finish(const ncr_ctx *ctx, ncr_field_writer *writer,
                                            uint64_t *bytes);
 /** Leave off: make durable what is there, for a later bake to go on from. Without a resume key the
@@ -105,6 +109,7 @@ typedef struct ncr_field {
     double horizon_deg;
     bool occlusion;
     uint64_t clamped, bytes; /* values cut to half's range when written; size of all files */
+    uint64_t omitted_tiles;  /* how many were left out */
 } ncr_field;
 
 /** Read and check a field: version, sizes, ranges, counts, charts inside their page and apart, no

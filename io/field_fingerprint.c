@@ -54,5 +54,7 @@ uint64_t ncr_field_fingerprint(uint64_t key, const ncr_field_manifest *m, const 
     hash = ncr_fnv1a(hash, map->charts, map->patch_count * sizeof *map->charts);
     const size_t texels = (size_t)map->page_count * map->page_width * map->page_height;
     hash = ncr_fnv1a(hash, map->index, 4 * texels * sizeof *map->index);
+    if (m->omitted)
+        hash = ncr_fnv1a(hash, m->omitted, (ncr_field_tiles(m) + 7) / 8);
     return hash ? hash : 1;
 }

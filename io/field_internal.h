@@ -10,6 +10,7 @@ _Static_assert(__BYTE_ORDER__ == __ORDER_LITTLE_ENDIAN__,
 
 enum {
     NCR_FIELD_VERSION = 1,
+    NCR_FIELD_RUNS_MAX = 8 << 20, /* bytes of the list of tiles left out */
     NCR_FIELD_PAGES_MAX = 4096,
     NCR_FIELD_PATCHES_MAX = 1 << 20,
     NCR_FIELD_FILES_MAX = NCR_FIELD_PAGES_MAX + 3,
@@ -39,6 +40,7 @@ typedef struct ncr_field_manifest {
     uint32_t cube, points, patches, pages, page_width, page_height;
     uint64_t clamped;
     ncr_field_entry *files; /* [3 + pages] */
+    uint8_t *omitted;       /* a set of tiles, see tile_runs_internal.h; NULL: none */
 } ncr_field_manifest;
 
 /* "points.ply", "charts.bin", "radiance.exr", "maps-0.png" ... */
@@ -49,6 +51,7 @@ ncr_status ncr_field_manifest_write(const ncr_ctx *ctx, const char *path,
                                     const ncr_field_omission *omitted);
 /* Everything in it is in range; files[] is released by dispose. */
 ncr_status ncr_field_manifest_read(const ncr_ctx *ctx, const char *path, ncr_field_manifest *out);
+size_t ncr_field_tiles(const ncr_field_manifest *manifest);
 void ncr_field_manifest_dispose(const ncr_ctx *ctx, ncr_field_manifest *manifest);
 
 /* Size and CRC-32 (as gzip and PNG) of a file. */

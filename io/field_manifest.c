@@ -2,13 +2,14 @@
 #include "io/atomic_file_internal.h"
 #include "io/field_internal.h"
 #include "io/json_internal.h"
+#include "io/tile_runs_internal.h"
 
 #include <errno.h>
 #include <math.h>
 #include <string.h>
 #include <zlib.h>
 
-static const size_t max_bytes = 16 << 20;
+static const size_t max_bytes = 2 * NCR_FIELD_RUNS_MAX;
 static const char *const format_words[] = {"half", "float"};
 
 ncr_field_path ncr_field_join(const char *folder, const char *name)
@@ -50,9 +51,15 @@ ncr_status ncr_field_entry_of(const ncr_ctx *ctx, const char *path, ncr_field_en
     return NCR_OK;
 }
 
+size_t ncr_field_tiles(const ncr_field_manifest *manifest)
+{
+    return ncr_tile_number(manifest->cube, manifest->points, 0, 0, 0);
+}
+
 void ncr_field_manifest_dispose(const ncr_ctx *ctx, ncr_field_manifest *manifest)
 {
     ncr_free(ctx, manifest->files);
+    ncr_free(ctx, manifest->omitted);
     *manifest = (ncr_field_manifest){0};
 }
 
@@ -121,13 +128,41 @@ static json_t *manifest_object(const ncr_field_manifest *m, size_t omitted_count
                   (json_int_t)m->patches, "cube", (json_int_t)m->cube, "pages",
                   (json_int_t)m->pages, "page_width", (json_int_t)m->page_width, "page_height",
                   (json_int_t)m->page_height, "clamped", (json_int_t)m->clamped);
-    json_t *encoding = json_pack("{s:s, s:i, s:b}", "radiance", format_words[m->format], "exponent",
-                                 m->exponent, "depth", (int)m->depth);
+    json_t *encoding =
+        json_pack("{s:s, s:i, s:b, s:s}", "radiance", format_words[m->format], "exponent",
+                  m->exponent, "depth", (int)m->depth, "byte_order", "little");
     return json_pack("{s:s, s:i, s:s, s:s, s:o, s:o, s:o, s:o, s:o, s:o, s:o}", "format",
                      "nacre field", "version", NCR_FIELD_VERSION, "object", m->object, "scene_hash",
                      m->scene_hash, "frame", frame, "parameters", parameters, "counts", counts,
                      "encoding", encoding, "conventions", conventions(), "omitted",
                      omissions(omitted_count, omitted), "files", file_list(m));
+}
+
+static ncr_status add_omitted_tiles(const ncr_ctx *ctx, const ncr_field_manifest *m, json_t *object)
+{
+    if (!m->omitted)
+        return NCR_OK;
+    const size_t tiles = ncr_field_tiles(m);
+    char *text;
+    const ncr_status status = ncr_tile_runs_write(ctx, m->omitted, tiles, &text);
+    if (status != NCR_OK)
+        return status;
+    json_t *set = json_pack("{s:I, s:s}", "count",
+                            (json_int_t)ncr_tile_set_count(m->omitted, tiles), "runs", text);
+    ncr_free(ctx, text);
+    return json_object_set_new(object, "omitted_tiles", set) == 0 ? NCR_OK : NCR_E_NOMEM;
+}
+
+static ncr_status write_object(const ncr_ctx *ctx, const char *path, const json_t *object)
+{
+    ncr_atomic_file file;
+    const ncr_status status = ncr_atomic_file_open(ctx, path, &file);
+    if (status != NCR_OK)
+        return status;
+    const bool good =
+        json_dumpf(object, file.stream, JSON_INDENT(2)) == 0 && fputc('\n', file.stream) != EOF;
+    return ncr_atomic_file_close(
+        ctx, &file, good ? NCR_OK : ncr_fail(ctx, NCR_E_IO, "%s: cannot be written", path));
 }
 
 ncr_status ncr_field_manifest_write(const ncr_ctx *ctx, const char *path,
@@ -138,14 +173,9 @@ ncr_status ncr_field_manifest_write(const ncr_ctx *ctx, const char *path,
     if (!object)
         return ncr_fail(ctx, NCR_E_ARG,
                         "%s: a name is not UTF-8, a number not finite, or memory is out", path);
-    ncr_atomic_file file;
-    ncr_status status = ncr_atomic_file_open(ctx, path, &file);
-    if (status == NCR_OK) {
-        const bool good =
-            json_dumpf(object, file.stream, JSON_INDENT(2)) == 0 && fputc('\n', file.stream) != EOF;
-        status = ncr_atomic_file_close(
-            ctx, &file, good ? NCR_OK : ncr_fail(ctx, NCR_E_IO, "%s: cannot be written", path));
-    }
+    ncr_status status = add_omitted_tiles(ctx, manifest, object);
+    if (status == NCR_OK)
+        status = write_object(ctx, path, object);
     json_decref(object);
     return status;
 }
@@ -250,6 +280,10 @@ static void read_parameters(const ncr_json *root, ncr_field_manifest *m)
     m->format = format == 0 ? NCR_TEXEL_HALF : NCR_TEXEL_FLOAT;
     need_exponent(&encoding, 64, &m->exponent);
     need_bool(&encoding, "depth", &m->depth);
+
+    static const char *const orders[] = {"little"}; /* absent from the first fields */
+    size_t order = 0;
+    ncr_json_word(ncr_json_member(&encoding, "byte_order"), NCR_WORDS(orders), &order);
 }
 
 static void read_counts(const ncr_json *root, ncr_field_manifest *m)
@@ -289,11 +323,37 @@ static ncr_status read_files(const ncr_ctx *ctx, const ncr_json *root, ncr_field
     return root->doc->status;
 }
 
+static ncr_status read_omitted_tiles(const ncr_ctx *ctx, const ncr_json *root,
+                                     ncr_field_manifest *m)
+{
+    const ncr_json set = ncr_json_member(root, "omitted_tiles");
+    if (!ncr_json_present(&set))
+        return root->doc->status;
+    const size_t tiles = ncr_field_tiles(m);
+    const ncr_json runs = ncr_json_member(&set, "runs");
+    const char *text = "";
+    uint64_t count = 0;
+    need_size(&set, "count", &count);
+    ncr_json_need(&runs, "a string");
+    ncr_json_string(runs, &text);
+    if (root->doc->status != NCR_OK)
+        return root->doc->status;
+    m->omitted = ncr_alloc_zero(ctx, (tiles + 7) / 8, 1);
+    if (!m->omitted)
+        return NCR_E_NOMEM;
+    if (!ncr_tile_runs_read(text, tiles, m->omitted))
+        ncr_json_fail(&runs, "is no set of %zu tiles", tiles);
+    else if (ncr_tile_set_count(m->omitted, tiles) != count)
+        ncr_json_fail(&set, "lists %zu tiles, its count says %llu",
+                      ncr_tile_set_count(m->omitted, tiles), (unsigned long long)count);
+    return root->doc->status;
+}
+
 static ncr_status read_document(const ncr_ctx *ctx, ncr_json_doc *doc, ncr_field_manifest *m)
 {
-    static const char *const members[] = {"format",      "version",    "object", "scene_hash",
-                                          "frame",       "parameters", "counts", "encoding",
-                                          "conventions", "omitted",    "files"};
+    static const char *const members[] = {
+        "format", "version",  "object",      "scene_hash", "frame",         "parameters",
+        "counts", "encoding", "conventions", "omitted",    "omitted_tiles", "files"};
     const ncr_json root = ncr_json_root(doc);
     read_version(&root); /* first: a later version may well have other members */
     if (doc->status == NCR_OK)
@@ -301,7 +361,10 @@ static ncr_status read_document(const ncr_ctx *ctx, ncr_json_doc *doc, ncr_field
     read_object(&root, m);
     read_parameters(&root, m);
     read_counts(&root, m);
-    return doc->status == NCR_OK ? read_files(ctx, &root, m) : doc->status;
+    ncr_status status = doc->status;
+    if (status == NCR_OK)
+        status = read_files(ctx, &root, m);
+    return status == NCR_OK ? read_omitted_tiles(ctx, &root, m) : status;
 }
 
 ncr_status ncr_field_manifest_read(const ncr_ctx *ctx, const char *path, ncr_field_manifest *out)

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 #include "core/half.h"
 #include "io/field_radiance_internal.h"
+#include "io/tile_runs_internal.h"
 
 #include <errno.h>
 #include <fcntl.h>
@@ -60,8 +61,12 @@ ncr_status ncr_radiance_create(const ncr_ctx *ctx, const char *path,
                                const ncr_field_manifest *manifest, bool keep,
                                ncr_radiance_file *out)
 {
-    *out = (ncr_radiance_file){
-        .ctx = ctx, .path = path, .fd = -1, .exponent = manifest->exponent, .journal.fd = -1};
+    *out = (ncr_radiance_file){.ctx = ctx,
+                               .path = path,
+                               .fd = -1,
+                               .exponent = manifest->exponent,
+                               .omitted = manifest->omitted,
+                               .journal.fd = -1};
     ncr_status status = ncr_radiance_layout_make(ctx, manifest, &out->layout);
     if (status != NCR_OK)
         return status;
@@ -266,24 +271,55 @@ ncr_status ncr_radiance_write(void *user, const ncr_tile *tile)
     return put_tile(f, tile, chunk, clamped);
 }
 
-static ncr_status check_complete(const ncr_radiance_file *f)
+static ncr_status check_point(const ncr_radiance_file *f, uint32_t point)
 {
     const uint32_t across = ncr_tiles_across(f->layout.n), cells = 6 * across * across;
-    const uint32_t wanted = 6 * f->layout.n * f->layout.n;
-    for (uint32_t k = 0; k < f->layout.points; k++) {
-        uint32_t came = 0;
-        for (uint32_t c = 0; c < cells; c++)
-            came += atomic_load(&f->arrived[(size_t)k * cells + c]);
-        if (came != wanted)
-            return ncr_fail(f->ctx, NCR_E_ARG, "%s: %u of the %u texels of point %u came", f->path,
-                            came, wanted, k);
+    uint32_t came = 0, wanted = 0, unwanted = 0;
+    for (size_t c = (size_t)point * cells; c < (size_t)(point + 1) * cells; c++) {
+        const ncr_tile t = ncr_radiance_cell(&f->layout, c);
+        const uint32_t here = atomic_load(&f->arrived[c]);
+        const bool omitted = ncr_tile_set_has(f->omitted, c);
+        wanted += omitted ? 0 : t.width * t.height;
+        came += omitted ? 0 : here;
+        unwanted += omitted ? here : 0;
     }
+    if (unwanted)
+        return ncr_fail(f->ctx, NCR_E_ARG,
+                        "%s: %u texels of point %u came that are listed as left "
+                        "out",
+                        f->path, unwanted, point);
+    if (came != wanted)
+        return ncr_fail(f->ctx, NCR_E_ARG, "%s: %u of the %u texels of point %u came", f->path,
+                        came, wanted, point);
     return NCR_OK;
+}
+
+/* A chunk whose first texel never comes still has its lead: readers want every chunk whole. */
+static ncr_status write_omitted_leads(ncr_radiance_file *f, uint32_t point)
+{
+    const uint32_t across = ncr_tiles_across(f->layout.n), cells = 6 * across * across;
+    ncr_status status = NCR_OK;
+    for (size_t c = (size_t)point * cells; c < (size_t)(point + 1) * cells; c++) {
+        const ncr_tile t = ncr_radiance_cell(&f->layout, c);
+        for (uint32_t j = 0; ncr_tile_set_has(f->omitted, c) && j < t.height; j++) {
+            const ncr_line_place p = ncr_radiance_place(&f->layout, &t, j);
+            uint8_t lead[NCR_CHUNK_HEAD];
+            ncr_radiance_chunk_lead(&f->layout, p.column, p.row, lead);
+            if (p.x == 0 && p.line == 0 && status == NCR_OK)
+                status = write_at(f, lead, sizeof lead,
+                                  ncr_radiance_chunk_at(&f->layout, p.column, p.row));
+        }
+    }
+    return status;
 }
 
 ncr_status ncr_radiance_finish(ncr_radiance_file *file)
 {
-    const ncr_status status = check_complete(file);
+    ncr_status status = NCR_OK;
+    for (uint32_t k = 0; k < file->layout.points && status == NCR_OK; k++)
+        status = check_point(file, k);
+    for (uint32_t k = 0; file->omitted && k < file->layout.points && status == NCR_OK; k++)
+        status = write_omitted_leads(file, k);
     if (status == NCR_OK && fsync(file->fd) != 0)
         return ncr_fail(file->ctx, NCR_E_IO, "%s: cannot be synced: %s", file->path,
                         strerror(errno));

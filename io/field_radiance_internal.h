@@ -99,6 +99,7 @@ typedef struct ncr_radiance_file {
     int fd;
     int exponent;
     ncr_radiance_layout layout;
+    const uint8_t *omitted; /* borrowed from the manifest; NULL: none */
     ncr_journal journal;
     _Atomic uint64_t clamped, unsynced; /* unsynced: bytes since the last sync */
     _Atomic uint16_t *arrived;          /* [cells] texels that came */
@@ -114,7 +115,7 @@ ncr_status ncr_radiance_resume(ncr_radiance_file *file, uint64_t *kept, uint64_t
 bool ncr_radiance_has(const ncr_radiance_file *file, size_t cell);
 /* The sink's function; `user` is the ncr_radiance_file. */
 ncr_status ncr_radiance_write(void *user, const ncr_tile *tile);
-/* Every texel came: sync. The file stays open until close. */
+/* Every texel came that is not left out: sync. The file stays open until close. */
 ncr_status ncr_radiance_finish(ncr_radiance_file *file);
 /* Make durable what has been written, for a later bake to go on from. */
 ncr_status ncr_radiance_sync(ncr_radiance_file *file);

@@ -2,6 +2,7 @@
 #include "core/half.h"
 #include "io/exr_stream_openexr_internal.h"
 #include "io/field_radiance_internal.h"
+#include "io/tile_runs_internal.h"
 
 #include <math.h>
 #include <stdatomic.h>
@@ -13,6 +14,7 @@ typedef struct radiance_reader {
     ncr_exr_stream stream;
     ncr_radiance_layout layout;
     float scale;
+    const uint8_t *omitted; /* borrowed; NULL: none */
     ncr_tile_sink sink;
     uint8_t *scratch; /* [workers][room]: a chunk, then colours and distances of one tile */
     size_t room;
@@ -132,6 +134,26 @@ static ncr_status deliver(radiance_reader *r, const uint8_t *pixels, ncr_tile *t
     return r->sink.write(r->sink.user, tile);
 }
 
+/* A piece of a chunk as wide as a tile, cut where another tile begins below. Tiles left out stay
+ * empty: whoever looks there is told. */
+static ncr_status deliver_rows(radiance_reader *r, const uint8_t *pixels, const ncr_tile *piece,
+                               uint32_t x, float *rgb, float *z)
+{
+    ncr_status status = NCR_OK;
+    for (uint32_t j = 0; j < piece->height && status == NCR_OK;) {
+        ncr_tile tile = *piece;
+        const uint32_t left = piece->height - j;
+        tile.y += j;
+        tile.height = NCR_TILE_SIDE - tile.y % NCR_TILE_SIDE;
+        tile.height = tile.height < left ? tile.height : left;
+        const size_t number = ncr_tile_number(r->layout.n, tile.point, tile.face, tile.x, tile.y);
+        if (!ncr_tile_set_has(r->omitted, number))
+            status = deliver(r, pixels + j * r->layout.line_bytes, &tile, x, rgb, z);
+        j += tile.height;
+    }
+    return status;
+}
+
 /* Chunk k, cut into pieces that a sink takes. */
 static ncr_status read_chunk(radiance_reader *r, uint32_t k, uint8_t *scratch)
 {
@@ -151,13 +173,13 @@ static ncr_status read_chunk(radiance_reader *r, uint32_t k, uint8_t *scratch)
     const uint32_t x0 = column * l->tile_width, y0 = row * l->tile_height;
     for (uint32_t x = 0; x < l->tile_width && status == NCR_OK; x += NCR_TILE_SIDE) {
         const uint32_t left = l->tile_width - x;
-        ncr_tile tile = {.point = y0 / l->n,
-                         .face = x0 / l->n,
-                         .x = x0 % l->n + x,
-                         .y = y0 % l->n,
-                         .width = left < NCR_TILE_SIDE ? left : NCR_TILE_SIDE,
-                         .height = l->tile_height};
-        status = deliver(r, scratch, &tile, x, rgb, z);
+        const ncr_tile tile = {.point = y0 / l->n,
+                               .face = x0 / l->n,
+                               .x = x0 % l->n + x,
+                               .y = y0 % l->n,
+                               .width = left < NCR_TILE_SIDE ? left : NCR_TILE_SIDE,
+                               .height = l->tile_height};
+        status = deliver_rows(r, scratch, &tile, x, rgb, z);
     }
     return status;
 }
@@ -213,7 +235,7 @@ static ncr_status fill(radiance_reader *r, const ncr_field_manifest *m, ncr_ligh
 ncr_status ncr_radiance_read(const ncr_ctx *ctx, const char *path,
                              const ncr_field_manifest *manifest, ncr_lightfield **out)
 {
-    radiance_reader r = {.scale = ldexpf(1, manifest->exponent)};
+    radiance_reader r = {.scale = ldexpf(1, manifest->exponent), .omitted = manifest->omitted};
     ncr_radiance_layout layout;
     ncr_status status = ncr_radiance_layout_make(ctx, manifest, &layout);
     if (status != NCR_OK)

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 #include "io/atomic_file_internal.h"
 #include "io/field_radiance_internal.h"
+#include "io/tile_runs_internal.h"
 
 #include <errno.h>
 #include <string.h>
@@ -55,6 +56,7 @@ static void copy_manifest(const ncr_field_manifest *m, ncr_field *out)
     out->horizon_deg = m->horizon_deg;
     out->occlusion = m->occlusion;
     out->clamped = m->clamped;
+    out->omitted_tiles = m->omitted ? ncr_tile_set_count(m->omitted, ncr_field_tiles(m)) : 0;
     memcpy(out->object, m->object, sizeof out->object);
     memcpy(out->scene_hash, m->scene_hash, sizeof out->scene_hash);
     for (uint32_t k = 0; k < 3 + m->pages; k++)

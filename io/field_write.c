@@ -2,6 +2,7 @@
 #define _GNU_SOURCE /* renameat2 */
 #include "io/atomic_file_internal.h"
 #include "io/field_radiance_internal.h"
+#include "io/tile_runs_internal.h"
 
 #include <dirent.h>
 #include <errno.h>
@@ -177,6 +178,24 @@ static ncr_status check_info(const ncr_ctx *ctx, const ncr_field_info *info, con
     return NCR_OK;
 }
 
+/* No set at all when it is empty: such a field is like any other. */
+static ncr_status copy_set(const ncr_ctx *ctx, const uint8_t *set, ncr_field_manifest *out)
+{
+    const size_t tiles = ncr_field_tiles(out), bytes = (tiles + 7) / 8;
+    if (!set || !ncr_tile_set_count(set, tiles))
+        return NCR_OK;
+    if (ncr_tile_runs_length(set, tiles) > NCR_FIELD_RUNS_MAX)
+        return ncr_fail(ctx, NCR_E_LIMIT, "the tiles left out take more than %d bytes to list",
+                        (int)NCR_FIELD_RUNS_MAX);
+    out->omitted = ncr_alloc(ctx, bytes);
+    if (!out->omitted)
+        return NCR_E_NOMEM;
+    memcpy(out->omitted, set, bytes);
+    if (tiles % 8)
+        out->omitted[bytes - 1] &= (uint8_t)((1u << tiles % 8) - 1);
+    return NCR_OK;
+}
+
 static ncr_status make_manifest(const ncr_ctx *ctx, const ncr_field_info *info,
                                 const ncr_baked *baked, ncr_field_manifest *out)
 {
@@ -198,7 +217,7 @@ static ncr_status make_manifest(const ncr_ctx *ctx, const ncr_field_info *info,
     if (info->scene_hash)
         strcpy(out->scene_hash, info->scene_hash);
     out->files = ncr_alloc_zero(ctx, 3 + (size_t)out->pages, sizeof *out->files);
-    return out->files ? NCR_OK : NCR_E_NOMEM;
+    return out->files ? copy_set(ctx, info->omitted_tiles, out) : NCR_E_NOMEM;
 }
 
 static ncr_status copy_omissions(const ncr_ctx *ctx, const ncr_field_info *info,

@@ -86,7 +86,7 @@ NCR_API void ncr_lightfield_texel(const ncr_lightfield *field, uint32_t point, u
 NCR_API ncr_vec3 ncr_lightfield_fetch(const ncr_lightfield *field, uint32_t point, ncr_vec3 d);
 
 /** Distance at `point` in direction d, of the nearest texel: never interpolated across a
- *  silhouette; +inf for sky. The field has depth.                                   [S-15] */
+ *  silhouette; +inf for sky, 0 where nothing was captured. The field has depth.     [S-15] */
 NCR_API float ncr_lightfield_distance(const ncr_lightfield *field, uint32_t point, ncr_vec3 d);
 
 /**
