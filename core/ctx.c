@@ -1,4 +1,5 @@
 /* SPDX-License-Identifier: MIT */
+#define _DEFAULT_SOURCE /* madvise */
 #include "core/ctx.h"
 
 #include <omp.h>
@@ -7,8 +8,9 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/mman.h>
 
-enum { alignment = 64 };
+enum { alignment = 64, huge_page = 1 << 21 };
 
 /* Each block is preceded by one cache line that remembers its whole size, because hosts'
  * release hooks ask for it and callers of ncr_free should not have to. */
@@ -24,13 +26,27 @@ unsigned ncr_ctx_workers(const ncr_ctx *ctx)
     return ctx->workers ? ctx->workers : (unsigned)omp_get_num_procs();
 }
 
+/* Light, maps and images are read here and there: in pages of 4 KiB every look-up would also wait
+ * for the page tables. */
+static void *alloc_pages(size_t size)
+{
+#ifdef MADV_HUGEPAGE
+    void *ptr;
+    if (size >= 2 * (size_t)huge_page && posix_memalign(&ptr, huge_page, size) == 0) {
+        madvise(ptr, size, MADV_HUGEPAGE);
+        return ptr;
+    }
+#endif
+    return aligned_alloc(alignment, size);
+}
+
 void *ncr_alloc(const ncr_ctx *ctx, size_t size)
 {
     if (size > SIZE_MAX - 2 * alignment)
         return NULL;
     const size_t total = sizeof(block) + (size + alignment - 1) / alignment * alignment;
     block *b = ctx && ctx->alloc ? ctx->alloc(ctx->user, total, alignment)
-                                 : aligned_alloc(alignment, total);
+                                 : alloc_pages(total);
     if (!b) {
         ncr_fail(ctx, NCR_E_NOMEM, "out of memory: %zu bytes were refused", size);
         return NULL;
