@@ -279,13 +279,24 @@ void ncr_scene_triangles(const ncr_scene *scene, uint32_t object, ncr_triangles 
 size_t ncr_scene_closest(const ncr_scene *scene, size_t count, const ncr_rays *rays,
                          const ncr_hits *hits)
 {
-    return ncr_ray_tracer_closest(scene->tracer, count, rays, hits);
+    const size_t unusable = ncr_ray_tracer_closest(scene->tracer, count, rays, hits);
+    if (scene->watch)
+        scene->watch->closest(scene->watch->user, count, rays, hits);
+    return unusable;
 }
 
 size_t ncr_scene_occluded(const ncr_scene *scene, size_t count, const ncr_rays *rays,
                           uint8_t *blocked)
 {
-    return ncr_ray_tracer_occluded(scene->tracer, count, rays, blocked);
+    const size_t unusable = ncr_ray_tracer_occluded(scene->tracer, count, rays, blocked);
+    if (scene->watch)
+        scene->watch->occluded(scene->watch->user, count, rays, blocked);
+    return unusable;
+}
+
+void ncr_scene_watch(const ncr_scene *scene, const ncr_ray_watch *watch)
+{
+    ((ncr_scene *)scene)->watch = watch; /* create made it, and not as a const object */
 }
 
 double ncr_scene_winding(const ncr_scene *scene, uint32_t object, const double p[3])

@@ -4,6 +4,7 @@
 #define NCR_GEOMETRY_SCENE_INTERNAL_H
 
 #include "geometry/ray_internal.h"
+#include "geometry/ray_watch_internal.h"
 #include "geometry/scene.h"
 #include "geometry/tessellate_internal.h"
 #include "geometry/winding_internal.h"
@@ -23,6 +24,7 @@ struct ncr_scene {
     uint32_t count;
     ncr_object *objects;
     ncr_ray_tracer *tracer;
+    const ncr_ray_watch *watch; /* NULL: nobody */
 };
 
 #endif
