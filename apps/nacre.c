@@ -18,6 +18,7 @@ static const struct {
     {"compare", verb_compare, "measure how far an image is from its reference"},
     {"report", verb_report, "error against run time of every method, as a page"},
     {"info", verb_info, "say what a scene, field, image or patch file holds"},
+    {"bench", verb_bench, "race nacre against the limit of this machine and its peers"},
 };
 enum { verb_count = sizeof verbs / sizeof verbs[0] };
 

@@ -155,7 +155,9 @@ parse_result command_line_parse(const command_line *line, int argc, char **argv)
             return PARSE_WRONG;
         }
     }
-    if (words < line->word_count) {
+    if (line->word_total)
+        *line->word_total = words;
+    else if (words < line->word_count) {
         fprintf(stderr, "nacre: %s is missing\nusage: %s\n", line->word_names[words], line->usage);
         return PARSE_WRONG;
     }

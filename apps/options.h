@@ -26,7 +26,8 @@ typedef struct option {
     const char *help;  /* one line; NULL-named row ends a table */
 } option;
 
-/** One command: its tables and texts. `words` are the positional arguments, all required. */
+/** One command: its tables and texts. `words` are the positional arguments, all required unless
+ *  `word_total` asks how many there were. */
 typedef struct command_line {
     const char *usage;     /* "nacre bake SCENE -o FIELD [options]" */
     const char *summary;   /* one sentence */
@@ -35,6 +36,7 @@ typedef struct command_line {
     size_t word_count;
     const char *word_names[4];
     const char **words; /* [word_count] filled */
+    size_t *word_total; /* NULL, or where to count them: then none is required */
 } command_line;
 
 typedef enum parse_result { PARSE_OK = 0, PARSE_HELP, PARSE_WRONG } parse_result;

@@ -8,5 +8,6 @@ int verb_render(int argc, char **argv);
 int verb_compare(int argc, char **argv);
 int verb_report(int argc, char **argv);
 int verb_info(int argc, char **argv);
+int verb_bench(int argc, char **argv);
 
 #endif

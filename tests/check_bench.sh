@@ -1,0 +1,36 @@
+#!/usr/bin/env bash
+# SPDX-License-Identifier: MIT
+# The bench: every row runs and agrees with its rivals, and prints what scripts rely on. How fast is
+# nobody's business here.   check_bench.sh NACRE SOURCE_FOLDER
+set -euo pipefail
+nacre=$(realpath "$1")
+cd "$2"
+work=$(mktemp -d)
+trap 'rm -rf "$work"' EXIT
+
+fail() {
+    echo "$*" >&2
+    exit 1
+}
+
+"$nacre" bench bezier-flaot 2>"$work/err" && fail "an unknown row passes"
+grep -q "did you mean bezier-float" "$work/err" || fail "no row is offered: $(cat "$work/err")"
+"$nacre" bench --list | grep -q "^mirror-half " || fail "--list lacks a row"
+
+# One row by name.
+"$nacre" bench bezier-float --turns 9 --json >"$work/one.json" 2>/dev/null
+jq -e '.schema == "nacre.bench/1" and (.results | length == 1)' "$work/one.json" >/dev/null ||
+    fail "not one result: $(cat "$work/one.json")"
+jq -e '.results[0] | .name == "bezier-float" and .unit == "points/s" and .rate > 0 and
+       .error < 1e-4 and .ratio.limit > 0 and .quartiles.limit[0] <= .ratio.limit and
+       .ratio.limit <= .quartiles.limit[1]' "$work/one.json" >/dev/null ||
+    fail "members are missing or absurd: $(cat "$work/one.json")"
+
+# Every row, on a small scene. Ties between triangles may turn out otherwise in another tree.
+"$nacre" bench --peers --turns 1 --scene data/scenes/spheres.json --json >"$work/all.json" 2>/dev/null
+rows=$("$nacre" bench --list | wc -l)
+jq -e --argjson rows "$rows" '(.results | length == $rows) and
+       all(.results[]; has("name") and has("unit") and has("ratio") and has("error_of") and
+           .rate > 0 and .error >= 0 and .error < 1e-3)' "$work/all.json" >/dev/null ||
+    fail "a row is missing or disagrees: $(jq -c '.results[] | [.name, .rate, .error]' "$work/all.json")"
+echo "$rows rows agree with their rivals"
