@@ -94,24 +94,40 @@ ALWAYS_INLINE void look_up_group(const texel_layout *in, bool half, const lookup
     store_group(out, k, z);
 }
 
-ALWAYS_INLINE size_t accumulate_row(const ncr_lightfield *field, bool half, size_t count,
-                                    const uint16_t *point, const float *const d[3], const float *w,
-                                    float *const out[3], size_t begin)
+/* Rows are prepared one ahead of the row that is looked up, so that the texels asked for have that
+ * long to arrive. */
+ALWAYS_INLINE size_t row_count(size_t count, size_t begin)
 {
-    const texel_layout in = layout_of(field, half);
-    direction_row ahead;
+    return count - begin < LOOKUP_ROW ? count - begin : LOOKUP_ROW;
+}
+
+/* A row of look-ups, up to the texels themselves. */
+typedef struct lookup_ahead {
     lookup_row at;
-    mixed_row mix;
-    uint32_t from[LOOKUP_ROW] = {0};
     uint64_t address[LOOKUP_ROW];
-    take_directions(d, begin, count, &ahead);
-    find_footprints(field, ahead.at, &at);
+} lookup_ahead;
+
+ALWAYS_INLINE void prepare_lookups(const ncr_lightfield *field, const texel_layout *in,
+                                   size_t count, const uint16_t *point, const float *const d[3],
+                                   size_t begin, lookup_ahead *out)
+{
+    direction_row directions;
+    uint32_t from[LOOKUP_ROW] = {0};
+    take_directions(d, begin, count, &directions);
+    find_footprints(field, directions.at, &out->at);
     for (size_t k = 0; k < count; k++)
         from[k] = point[begin + k] == NCR_NO_POINT ? 0 : point[begin + k];
-    find_addresses(&in, &at, from, address);
-    ask_for(&in, address);
+    find_addresses(in, &out->at, from, out->address);
+    ask_for(in, out->address);
+}
+
+ALWAYS_INLINE size_t accumulate_row(const ncr_lightfield *field, const texel_layout *in, bool half,
+                                    size_t count, const lookup_ahead *a, const uint16_t *point,
+                                    const float *w, float *const out[3], size_t begin)
+{
+    mixed_row mix;
     for (size_t k = 0; k < count; k += WIDE)
-        look_up_group(&in, half, &at, address, k, &mix);
+        look_up_group(in, half, &a->at, a->address, k, &mix);
 
     uint32_t trapped = 0;
     for (size_t k = 0; k < count; k++)
@@ -126,11 +142,51 @@ ALWAYS_INLINE size_t accumulate_row(const ncr_lightfield *field, bool half, size
     return trapped;
 }
 
-ALWAYS_INLINE void blend_group(const texel_layout *in, bool half, const lookup_row *at,
-                               const blend_row *b, const uint64_t (*address)[LOOKUP_ROW],
+ALWAYS_INLINE size_t accumulate_rows(const ncr_lightfield *field, bool half, size_t count,
+                                     const uint16_t *point, const float *const d[3], const float *w,
+                                     float *const out[3])
+{
+    const texel_layout in = layout_of(field, half);
+    lookup_ahead ahead[2];
+    size_t trapped = 0, next = LOOKUP_ROW;
+    if (count)
+        prepare_lookups(field, &in, row_count(count, 0), point, d, 0, &ahead[0]);
+    for (size_t k = 0; k < count; k = next, next += LOOKUP_ROW) {
+        if (next < count)
+            prepare_lookups(field, &in, row_count(count, next), point, d, next,
+                            &ahead[next / LOOKUP_ROW % 2]);
+        trapped += accumulate_row(field, &in, half, row_count(count, k), &ahead[k / LOOKUP_ROW % 2],
+                                  point, w, out, k);
+    }
+    return trapped;
+}
+
+/* A row of blends, up to the texels themselves. */
+typedef struct blend_ahead {
+    lookup_row at;
+    blend_row b;
+    uint64_t address[LOOKUP_POINTS][LOOKUP_ROW];
+} blend_ahead;
+
+ALWAYS_INLINE void prepare_blends(const ncr_lightfield *field, const texel_layout *in, size_t count,
+                                  unsigned points, const uint16_t *const *point,
+                                  const float *const *w, const float *const d[3], size_t begin,
+                                  blend_ahead *out)
+{
+    direction_row directions;
+    take_directions(d, begin, count, &directions);
+    find_footprints(field, directions.at, &out->at);
+    tame_points(count, points, point, w, begin, &out->b);
+    for (unsigned j = 0; j < points; j++) {
+        find_addresses(in, &out->at, out->b.point[j], out->address[j]);
+        ask_for(in, out->address[j]);
+    }
+}
+
+ALWAYS_INLINE void blend_group(const texel_layout *in, bool half, const blend_ahead *a,
                                unsigned points, size_t k, mixed_row *out)
 {
-    const wide fx = wide_load(at->fx + k), fy = wide_load(at->fy + k);
+    const wide fx = wide_load(a->at.fx + k), fy = wide_load(a->at.fy + k);
     wide z[4];
     for (int i = 0; i < 4; i++) {
         corners c[LANES];
@@ -138,67 +194,50 @@ ALWAYS_INLINE void blend_group(const texel_layout *in, bool half, const lookup_r
             const size_t pixel = k + (size_t)(4 * lane + i);
             c[lane] = corners_zero();
             for (unsigned j = 0; j < points; j++)
-                c[lane] = corners_add_scaled(c[lane], b->w[j][pixel],
-                                             load_corners(in, half, address[j][pixel]));
+                c[lane] = corners_add_scaled(c[lane], a->b.w[j][pixel],
+                                             load_corners(in, half, a->address[j][pixel]));
         }
         z[i] = corners_mix(c, fx, fy, i);
     }
     store_group(out, k, z);
 }
 
-ALWAYS_INLINE size_t blend_row_of(const ncr_lightfield *field, bool half, size_t count,
-                                  unsigned points, const uint16_t *const *point,
-                                  const float *const *w, const float *const d[3],
-                                  float *const out[3], size_t begin)
+/* Whether a texel never captured took part: elsewhere the fourth channel is the sum of weights, to
+ * the bit. */
+ALWAYS_INLINE bool any_trapped(const mixed_row *mix, const blend_row *b, size_t count)
 {
-    const texel_layout in = layout_of(field, half);
-    direction_row ahead;
-    lookup_row at;
-    blend_row b;
-    mixed_row mix;
-    uint64_t address[LOOKUP_POINTS][LOOKUP_ROW];
-    take_directions(d, begin, count, &ahead);
-    find_footprints(field, ahead.at, &at);
-    tame_points(count, points, point, w, begin, &b);
-    for (unsigned j = 0; j < points; j++) {
-        find_addresses(&in, &at, b.point[j], address[j]);
-        ask_for(&in, address[j]);
-    }
-    for (size_t k = 0; k < count; k += WIDE)
-        blend_group(&in, half, &at, &b, (const uint64_t(*)[LOOKUP_ROW])address, points, k, &mix);
-
-    for (int c = 0; c < 3; c++)
-        for (size_t k = 0; k < count; k++)
-            out[c][begin + k] = mix.at[c][k] * field->scale;
     uint32_t suspect = 0;
     for (size_t k = 0; k < count; k++)
-        suspect += mix.at[3][k] != b.total[k];
-    size_t trapped = 0;
-    for (size_t k = 0; suspect && k < count; k++)
-        if (mix.at[3][k] != b.total[k])
-            trapped += ncr_lightfield_trapped(field, begin + k, points, point, w, d);
-    return trapped;
-}
-
-ALWAYS_INLINE size_t accumulate_rows(const ncr_lightfield *field, bool half, size_t count,
-                                     const uint16_t *point, const float *const d[3], const float *w,
-                                     float *const out[3])
-{
-    size_t trapped = 0;
-    for (size_t k = 0; k < count; k += LOOKUP_ROW)
-        trapped += accumulate_row(field, half, count - k < LOOKUP_ROW ? count - k : LOOKUP_ROW,
-                                  point, d, w, out, k);
-    return trapped;
+        suspect += mix->at[3][k] != b->total[k];
+    return suspect != 0;
 }
 
 ALWAYS_INLINE size_t blend_rows(const ncr_lightfield *field, bool half, size_t count,
                                 unsigned points, const uint16_t *const *point,
                                 const float *const *w, const float *const d[3], float *const out[3])
 {
-    size_t trapped = 0;
-    for (size_t k = 0; k < count; k += LOOKUP_ROW)
-        trapped += blend_row_of(field, half, count - k < LOOKUP_ROW ? count - k : LOOKUP_ROW,
-                                points, point, w, d, out, k);
+    const texel_layout in = layout_of(field, half);
+    blend_ahead ahead[2];
+    mixed_row mix;
+    size_t trapped = 0, next = LOOKUP_ROW;
+    if (count)
+        prepare_blends(field, &in, row_count(count, 0), points, point, w, d, 0, &ahead[0]);
+    for (size_t begin = 0; begin < count; begin = next, next += LOOKUP_ROW) {
+        if (next < count)
+            prepare_blends(field, &in, row_count(count, next), points, point, w, d, next,
+                           &ahead[next / LOOKUP_ROW % 2]);
+        const blend_ahead *a = &ahead[begin / LOOKUP_ROW % 2];
+        const size_t here = row_count(count, begin);
+        for (size_t k = 0; k < here; k += WIDE)
+            blend_group(&in, half, a, points, k, &mix);
+        for (int c = 0; c < 3; c++)
+            for (size_t k = 0; k < here; k++)
+                out[c][begin + k] = mix.at[c][k] * field->scale;
+        const bool suspect = any_trapped(&mix, &a->b, here);
+        for (size_t k = 0; suspect && k < here; k++)
+            if (mix.at[3][k] != a->b.total[k])
+                trapped += ncr_lightfield_trapped(field, begin + k, points, point, w, d);
+    }
     return trapped;
 }
 

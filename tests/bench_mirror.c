@@ -1,6 +1,8 @@
 /* SPDX-License-Identifier: MIT
  * bench_mirror.c - look-ups and mirror shading beside their limit: a bare bilinear kernel that is
- * given every address, fraction and weight. Ratios are rate over rate, from alternating runs. */
+ * given every address, fraction and weight. Shading has a second limit: that kernel, and one pass
+ * that only reads the G-buffer and the sample map and writes the image. Ratios are rate over rate,
+ * from alternating runs. */
 #include "tests/rig.h"
 
 #include "core/cpu_internal.h"
@@ -145,6 +147,26 @@ static void bench_lookups(rig *r, bool coherent, const char *name)
     free(w), free(point), free(prepared), free(sink);
 }
 
+/* Read what shading reads, write what it writes, compute nothing. */
+TARGET static void stream(const rig *r, float *image)
+{
+    const size_t count = (size_t)side * side;
+    const float *in[] = {r->g.u,  r->g.v,  r->g.px, r->g.py, r->g.pz, r->g.nx,
+                         r->g.ny, r->g.nz, r->g.vx, r->g.vy, r->g.vz};
+    const uint32_t *patch = r->g.patch, *object = r->g.object;
+    for (size_t k = 0; k < count; k += 16) {
+        __m512 sum = _mm512_castsi512_ps(
+            _mm512_xor_si512(_mm512_loadu_si512(patch + k), _mm512_loadu_si512(object + k)));
+        for (size_t a = 0; a < sizeof in / sizeof *in; a++)
+            sum = _mm512_xor_ps(sum, _mm512_loadu_ps(in[a] + k));
+        for (size_t a = 0; a < 64; a += 32)
+            sum = _mm512_xor_ps(sum,
+                                _mm512_castsi512_ps(_mm512_loadu_si512(r->map.index + 4 * k + a)));
+        for (size_t a = 0; a < 48; a += 16)
+            _mm512_storeu_ps(image + 3 * k + a, sum);
+    }
+}
+
 static void bench_mirror(rig *r, const char *method, const char *name)
 {
     const ncr_lightfield *f = r->light;
@@ -162,7 +184,7 @@ static void bench_mirror(rig *r, const char *method, const char *name)
     }
     const bool half = f->format == NCR_TEXEL_HALF;
     const size_t row = (half ? 8 : 16) * f->row;
-    double ours[pairs], theirs[pairs];
+    double ours[pairs], theirs[pairs], both[pairs];
     ncr_method m;
     ncr_image image;
     CHECK_STATUS(NCR_OK, ncr_method_find(NULL, method, &m));
@@ -174,10 +196,15 @@ static void bench_mirror(rig *r, const char *method, const char *name)
         const double t1 = now();
         (half ? limit_half_4 : limit_float_4)(prepared, count, row, sink);
         const double t2 = now();
+        stream(r, image.data);
+        const double t3 = now();
         if (k >= 0)
-            ours[k] = t1 - t0, theirs[k] = t2 - t1;
+            ours[k] = t1 - t0, theirs[k] = t2 - t1, both[k] = t3 - t1;
     }
+    double copy[pairs];
+    memcpy(copy, ours, sizeof copy);
     report(name, (double)count, ours, theirs);
+    report("    and memory", (double)count, copy, both);
     ncr_image_dispose(NULL, &image);
     free(prepared), free(sink);
 }
