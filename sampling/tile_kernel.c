@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT
  * tile_kernel.c - the definition of the loops over a tile's texels, and the choice among sets. */
 #include "core/cpu_internal.h"
-#include "sampling/tile_bound_loops.h"
-#include "sampling/tile_eval_loops.h"
+#include "sampling/tile_bound_loops.inc"
+#include "sampling/tile_eval_loops.inc"
 
 /* Candidates come in order of index and the comparison is strict: ties keep the lower index. */
 static uint64_t nearest_four(const ncr_texel_tile *tile, uint32_t k,

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-#include "sampling/tile_bound_loops.h"
-#include "sampling/tile_eval_loops.h"
+#include "sampling/tile_bound_loops.inc"
+#include "sampling/tile_eval_loops.inc"
 
 #include <immintrin.h>
 
@@ -66,7 +66,7 @@ static inline void w_store_packed(uint64_t *out, const wide index[4])
     _mm512_storeu_si512(out, packed);
 }
 
-#include "sampling/tile_nearest_wide.h"
+#include "sampling/tile_nearest_wide.inc"
 
 /* Without the last instruction, gcc 12 returns with the upper halves in use, which makes the
  * scalar code that follows half as fast. */
