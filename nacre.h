@@ -36,6 +36,7 @@
 #include "shading/lobe.h"
 #include "shading/material.h"
 #include "shading/method.h"
+#include "shading/prefilter.h"
 #include "shading/sky.h"
 #include "shading/tracer.h"
 #include "shading/world.h"

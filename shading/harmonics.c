@@ -66,22 +66,38 @@ void ncr_harmonics_basis(uint32_t band_limit, const double d[3], double *out)
     }
 }
 
-/* Exact: integrals of 1, cos 2 theta, ... against sin theta, summed as the cosine series of the
- * weight:  w(theta) = 4 pi / h (1 - 2 sum_k cos(2 k theta) / (4 k^2 - 1)).            [Fejer33]
- * Area: 2 pi (cos top - cos bottom) = 4 pi sin(pi / 2h) sin theta. */
-void ncr_harmonics_row_weights(uint32_t h, bool exact, double *weight)
+/* The integrals of 1, cos 2 theta, cos 4 theta, ... against sin theta are the cosine series of the
+ * weight:  w(theta) = 4 pi / h (1 - 2 sum_k cos(2 k theta) / (4 k^2 - 1)).           [Fejer33]
+ * Each cosine comes from the two before it, a block of rows abreast. */
+static void exact_weights(uint32_t h, uint32_t first, uint32_t count, double *weight)
 {
-    for (uint32_t i = 0; i < h; i++) {
-        const double theta = (i + 0.5) * pi / h;
-        double series = 1;
-        if (!exact) {
-            weight[i] = 4 * pi * sin(0.5 * pi / h) * sin(theta);
-            continue;
-        }
-        for (uint32_t k = 1; 2 * k < h; k++)
-            series -= 2 * cos(2 * k * theta) / (4.0 * k * k - 1);
-        weight[i] = 4 * pi / h * series;
+    enum { block = 16 };
+    double before[block], now[block], twice[block], series[block];
+    for (uint32_t i = 0; i < block; i++) {
+        const double c = cos(2 * (first + i + 0.5) * pi / h);
+        before[i] = 1, now[i] = c, twice[i] = 2 * c, series[i] = 1;
     }
+    for (uint32_t k = 1; 2 * k < h; k++) {
+        const double factor = -2 / (4.0 * k * k - 1);
+        for (uint32_t i = 0; i < block; i++) {
+            const double next = twice[i] * now[i] - before[i];
+            series[i] += factor * now[i];
+            before[i] = now[i];
+            now[i] = next;
+        }
+    }
+    for (uint32_t i = 0; i < count; i++)
+        weight[first + i] = weight[h - 1 - first - i] = 4 * pi / h * series[i];
+}
+
+/* Area: 2 pi (cos top - cos bottom) = 4 pi sin(pi / 2h) sin theta. */
+void ncr_harmonics_row_weights(uint32_t h, bool areas, double *weight)
+{
+    const uint32_t half = (h + 1) / 2;
+    for (uint32_t i = 0; areas && i < h; i++)
+        weight[i] = 4 * pi * sin(0.5 * pi / h) * sin((i + 0.5) * pi / h);
+    for (uint32_t i = 0; !areas && i < half; i += 16)
+        exact_weights(h, i, half - i < 16 ? half - i : 16, weight);
 }
 
 /* --- tables ----------------------------------------------------------------------------------- */

@@ -48,9 +48,9 @@ typedef struct ncr_texel_report {
 
 typedef struct ncr_harmonics_opts {
     size_t struct_size;
-    bool exact_rows; /* rows weigh by the quadrature that is exact for every polynomial of degree
-                            below h, rather than by their own areas: a map with w, h > 2 L that has
-                            no detail above L is then recovered to rounding */
+    bool row_areas;      /* rows weigh by their own areas. Default: by the quadrature that is exact
+                            for every polynomial of degree below h, so that a constant stays one, and
+                            a map with w, h > 2 L and no detail above L is recovered to rounding */
     bool clamp_negative; /* values below 0 count as 0 */
     bool every_row;      /* transform each row of the map, even where fewer would do (slower, for
                             comparison) */
@@ -63,14 +63,14 @@ typedef struct ncr_harmonics_opts {
  *
  * @param map     equirectangular, 1..4 channels, any size; values beyond 1e18 lose the report's
  *                `square`, nothing else
- * @param opts    NULL for defaults: each row weighs as much as its exact area, 4 pi in all
+ * @param opts    NULL for defaults
  * @param out     initialised, with the map's channels; its band limit is what is computed
  * @param report  NULL not wanted
  * @return        NCR_E_ARG for mismatched channels, NCR_E_NOMEM, NCR_E_CANCELLED
  *
  * Accuracy: coefficients are right to 5e-7 of the root mean square of the map (texels pass through
  * float; the Legendre functions and their sums are double). A map much finer than the band limit is
- * first brought to 3 L rows by sums over 12 neighbours, right to 2e-7 of each frequency.
+ * first brought to 3 L rows by sums over 12 neighbours, right to 3e-7 of each frequency.
  * Same bits for any number of workers. Re-entrant.
  */
 NCR_API ncr_status ncr_harmonics_analyse(const ncr_ctx *ctx, const ncr_image *map,
@@ -94,9 +94,9 @@ NCR_API ncr_status ncr_harmonics_synthesise(const ncr_ctx *ctx, const ncr_harmon
  *  definition, for tests and single directions. */
 NCR_API void ncr_harmonics_basis(uint32_t band_limit, const double d[3], double *out);
 
-/** Weights of the h rows at theta = (row + 1/2) pi / h: solid angle of a row, 4 pi in all. With
- *  `exact`, those of the quadrature that integrates cos(k theta), k < h, without error. [Fejer33] */
-NCR_API void ncr_harmonics_row_weights(uint32_t h, bool exact, double *weight);
+/** Weights of the h rows at theta = (row + 1/2) pi / h, 4 pi in all: those of the quadrature that
+ *  integrates cos(k theta), k < h, without error [Fejer33], or the rows' own areas. */
+NCR_API void ncr_harmonics_row_weights(uint32_t h, bool areas, double *weight);
 
 NCR_END
 

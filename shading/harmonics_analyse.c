@@ -185,8 +185,8 @@ static ncr_status prepare(const ncr_ctx *ctx, analysis *job, const ncr_harmonics
     const size_t floats = (size_t)job->map->width * job->map->channels;
     job->row_weight = weights;
     job->row_area = weights + h;
-    ncr_harmonics_row_weights(h, opts && opts->exact_rows, weights);
-    ncr_harmonics_row_weights(h, false, weights + h);
+    ncr_harmonics_row_weights(h, opts && opts->row_areas, weights);
+    ncr_harmonics_row_weights(h, true, weights + h);
     for (uint32_t k = 0; k < 2 * h; k++)
         weights[k] /= job->map->width;
     job->chunks = sht->coarse ? (floats + NCR_SCAN_PART - 1) / NCR_SCAN_PART

@@ -10,6 +10,7 @@
 #define NCR_SHADING_HARMONICS_KERNEL_INTERNAL_H
 
 #include "shading/fft_internal.h"
+#include "shading/prefilter_internal.h"
 #include "shading/taps_internal.h"
 
 #define ALWAYS static inline __attribute__((always_inline))
@@ -72,6 +73,10 @@ typedef struct ncr_sht_kernels {
     void (*synthesise_order)(const ncr_ring_set *rings, uint32_t m, uint32_t last,
                              uint32_t channels, const double *step, const double *coefficient,
                              double *data);
+
+    /* Values of a grid in count <= NCR_GRID_BATCH directions: out[count][4]. */
+    void (*sample_grid)(const ncr_sphere_grid *grid, size_t count, const ncr_vec3 *directions,
+                        float *out);
 } ncr_sht_kernels;
 
 /* Floats of scratch that the row kernels need for one set, at any number of lanes. */

@@ -1,4 +1,5 @@
 /* SPDX-License-Identifier: MIT */
+#include "shading/grid_kernel_internal.h"
 #include "shading/legendre_kernel_internal.h"
 #include "shading/rows_kernel_internal.h"
 
@@ -11,4 +12,5 @@ const ncr_sht_kernels ncr_sht_plain = {
     .spectrum_to_rows = spectrum_to_rows,
     .analyse_order = analyse_order,
     .synthesise_order = synthesise_order,
+    .sample_grid = sample_grid,
 };

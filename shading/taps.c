@@ -11,8 +11,10 @@
  * quadratic form in c with the matrix sinc(band (i-j)); its minimum solves A c = sinc(band (t-j)).
  * A is the same for every t, so it is factored once.                              [Slepian78]
  *
- * With 12 taps and a third of the sampling rate the largest error is 2e-7: below what the floats
- * that go through it carry. The ridge, one rounding error, keeps A definite. */
+ * Averages over the whole band, its lower half, its lower quarter and frequency 0 are added with
+ * rising weight, so that constants and smooth maps come through best. With 12 taps, a third of the
+ * sampling rate and emphasis 4, the largest error is 3e-7, and 1e-9 for constants: below what the
+ * floats that go through carry. The ridge, one rounding error, keeps A definite. */
 
 static const double pi = 3.14159265358979323846, ridge = 1e-15;
 
@@ -21,16 +23,23 @@ static double sinc(double x)
     return fabs(x) < 1e-9 ? 1.0 : sin(pi * x) / (pi * x);
 }
 
-void ncr_taps_prepare(int taps, double band, ncr_taps_solver *out)
+static double kernel(double band, double e, double x)
 {
+    return sinc(band * x) + e * (sinc(0.5 * band * x) + e * (sinc(0.25 * band * x) + e));
+}
+
+void ncr_taps_prepare(int taps, double band, double emphasis, ncr_taps_solver *out)
+{
+    const double least = ridge * kernel(band, emphasis, 0);
     out->taps = taps;
     out->band = band;
+    out->emphasis = emphasis;
     for (int j = 0; j < taps; j++) {
         for (int i = j; i < taps; i++) {
-            double a = sinc(band * (i - j)) + (i == j ? ridge : 0.0);
+            double a = kernel(band, emphasis, i - j) + (i == j ? least : 0.0);
             for (int k = 0; k < j; k++)
                 a -= out->factor[i][k] * out->factor[j][k];
-            out->factor[i][j] = i == j ? sqrt(fmax(a, ridge)) : a / out->factor[j][j];
+            out->factor[i][j] = i == j ? sqrt(fmax(a, least)) : a / out->factor[j][j];
         }
     }
 }
@@ -38,7 +47,7 @@ void ncr_taps_prepare(int taps, double band, ncr_taps_solver *out)
 void ncr_taps_weigh(const ncr_taps_solver *s, double t, double *c)
 {
     for (int i = 0; i < s->taps; i++) {
-        double b = sinc(s->band * (t - (i - (s->taps / 2 - 1))));
+        double b = kernel(s->band, s->emphasis, t - (i - (s->taps / 2 - 1)));
         for (int k = 0; k < i; k++)
             b -= s->factor[i][k] * c[k];
         c[i] = b / s->factor[i][i];
@@ -62,7 +71,7 @@ ncr_status ncr_taps_init(const ncr_ctx *ctx, uint32_t count, uint32_t coarse, do
         ncr_taps_dispose(ctx, &taps);
         return NCR_E_NOMEM;
     }
-    ncr_taps_prepare(NCR_TAPS, band, &solver);
+    ncr_taps_prepare(NCR_TAPS, band, 4, &solver);
     for (uint32_t i = 0; i < count; i++) {
         /* (i + 1/2) coarse/count - 1/2 in whole numbers: the place below, and the rest of it. */
         const int64_t twice = (2 * (int64_t)i + 1) * coarse - count;
@@ -96,16 +105,24 @@ static double error_at(const ncr_taps_solver *s, const double *c, double t, doub
     return hypot(re, im);
 }
 
-double ncr_taps_error(const ncr_taps_solver *s)
+double ncr_taps_error_at(const ncr_taps_solver *s, double frequency)
 {
-    enum { places = 16, frequencies = 64 };
+    enum { places = 16 };
     double worst = 0;
     for (int i = 0; i <= places; i++) {
         const double t = (double)i / places;
         double c[NCR_TAPS_MAX];
         ncr_taps_weigh(s, t, c);
-        for (int k = 0; k <= frequencies; k++)
-            worst = fmax(worst, error_at(s, c, t, pi * s->band * k / frequencies));
+        worst = fmax(worst, error_at(s, c, t, pi * frequency));
     }
+    return worst;
+}
+
+double ncr_taps_error(const ncr_taps_solver *s)
+{
+    enum { frequencies = 64 };
+    double worst = 0;
+    for (int k = 0; k <= frequencies; k++)
+        worst = fmax(worst, ncr_taps_error_at(s, s->band * k / frequencies));
     return worst;
 }

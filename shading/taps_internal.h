@@ -15,14 +15,14 @@ typedef struct ncr_taps {
 } ncr_taps;
 
 /* Weights of `taps` (even, <= NCR_TAPS_MAX) neighbours at -(taps/2 - 1) .. taps/2 that give a
- * function at t in [0,1], exactly in the least-squares sense over all frequencies up to `band`
- * (1 = half a cycle per sample). */
+ * function at t in [0,1], best in the least-squares sense over all frequencies up to `band` (1 =
+ * half a cycle per sample). Each halving of the frequency counts `emphasis` times as much. */
 typedef struct ncr_taps_solver {
     int taps;
-    double band, factor[NCR_TAPS_MAX][NCR_TAPS_MAX];
+    double band, emphasis, factor[NCR_TAPS_MAX][NCR_TAPS_MAX];
 } ncr_taps_solver;
 
-void ncr_taps_prepare(int taps, double band, ncr_taps_solver *out);
+void ncr_taps_prepare(int taps, double band, double emphasis, ncr_taps_solver *out);
 void ncr_taps_weigh(const ncr_taps_solver *solver, double t, double *weight);
 
 /* Taps for `count` places at (i + 1/2) coarse/count - 1/2 in units of a coarse grid of `coarse`
@@ -31,7 +31,9 @@ ncr_status ncr_taps_init(const ncr_ctx *ctx, uint32_t count, uint32_t coarse, do
                          ncr_taps *out);
 void ncr_taps_dispose(const ncr_ctx *ctx, ncr_taps *taps);
 
-/* Largest error over all frequencies up to the band and all t, for amplitude 1. */
+/* Largest error over all t, for amplitude 1: of one frequency (1 = half a cycle per sample), and of
+ * all up to the band. */
+double ncr_taps_error_at(const ncr_taps_solver *solver, double frequency);
 double ncr_taps_error(const ncr_taps_solver *solver);
 
 #endif

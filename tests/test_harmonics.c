@@ -167,8 +167,8 @@ static void rows_weigh_four_pi_and_the_exact_ones_integrate_cosines(void **state
     for (size_t k = 0; k < 5; k++) {
         const uint32_t h = heights[k];
         double area[99], exact[99], sum = 0;
-        ncr_harmonics_row_weights(h, false, area);
-        ncr_harmonics_row_weights(h, true, exact);
+        ncr_harmonics_row_weights(h, true, area);
+        ncr_harmonics_row_weights(h, false, exact);
         for (uint32_t i = 0; i < h; i++)
             sum += area[i];
         CHECK_NEAR(sum, 4 * pi, 1e-12);
@@ -185,14 +185,14 @@ static void neighbours_give_every_frequency_of_the_band(void **state)
 {
     (void)state;
     ncr_taps_solver solver;
-    ncr_taps_prepare(NCR_TAPS, 1.0 / NCR_TAPS_OVERSAMPLING, &solver);
+    ncr_taps_prepare(NCR_TAPS, 1.0 / NCR_TAPS_OVERSAMPLING, 4, &solver);
     const double error = ncr_taps_error(&solver);
-    CHECK(error < 2.5e-7, "error %g", error);
+    CHECK(error < 4e-7, "error %g", error);
     double weight[NCR_TAPS], sum = 0;
     ncr_taps_weigh(&solver, 0.25, weight);
     for (int k = 0; k < NCR_TAPS; k++)
         sum += weight[k];
-    CHECK_NEAR(sum, 1, 3e-7);
+    CHECK_NEAR(sum, 1, 3e-9);
 }
 
 /* ---- maps ------------------------------------------------------------------------------------ */
@@ -232,11 +232,11 @@ static void a_filled_map_holds_the_sum_of_its_harmonics(void **state)
     }
 }
 
-static void defined_analysis(const ncr_image *map, ncr_harmonics *out)
+static void defined_analysis(const ncr_image *map, bool row_areas, ncr_harmonics *out)
 {
     const uint32_t n = out->band_limit + 1;
     double *y = malloc((size_t)n * n * sizeof *y), *row = malloc(map->height * sizeof *row);
-    ncr_harmonics_row_weights(map->height, false, row);
+    ncr_harmonics_row_weights(map->height, row_areas, row);
     for (uint32_t j = 0; j < map->height; j++) {
         for (uint32_t i = 0; i < map->width; i++) {
             double d[3];
@@ -263,8 +263,9 @@ static void coefficients_are_sums_over_all_texels(void **state)
         ncr_harmonics want, got;
         CHECK_STATUS(NCR_OK, ncr_harmonics_init(NULL, s.band_limit, s.channels, &want));
         CHECK_STATUS(NCR_OK, ncr_harmonics_init(NULL, s.band_limit, s.channels, &got));
-        defined_analysis(&map, &want);
-        CHECK_STATUS(NCR_OK, ncr_harmonics_analyse(NULL, &map, NULL, &got, NULL));
+        const ncr_harmonics_opts opts = {.struct_size = sizeof opts, .row_areas = k % 2};
+        defined_analysis(&map, opts.row_areas, &want);
+        CHECK_STATUS(NCR_OK, ncr_harmonics_analyse(NULL, &map, &opts, &got, NULL));
         CHECK_NEAR(difference(&want, &got), 0, 5e-7);
         ncr_image_dispose(NULL, &map);
         ncr_harmonics_dispose(NULL, &want);
@@ -291,7 +292,7 @@ static void fewer_rows_say_the_same_as_all(void **state)
     ncr_harmonics_dispose(NULL, &all);
 }
 
-static void exact_rows_recover_what_was_put_in(void **state)
+static void analysis_recovers_what_was_put_in(void **state)
 {
     (void)state;
     static const map_size maps[] = {{64, 32, 3, 15}, {90, 41, 2, 20}, {400, 200, 1, 24}};
@@ -301,9 +302,7 @@ static void exact_rows_recover_what_was_put_in(void **state)
         ncr_image map = empty_image(s.w, s.h, s.channels);
         CHECK_STATUS(NCR_OK, ncr_harmonics_init(NULL, s.band_limit, s.channels, &b));
         CHECK_STATUS(NCR_OK, ncr_harmonics_synthesise(NULL, &a, NULL, NULL, &map));
-        CHECK_STATUS(NCR_OK, ncr_harmonics_analyse(NULL, &map,
-                                                   NCR_OPTS(ncr_harmonics_opts, .exact_rows = true),
-                                                   &b, NULL));
+        CHECK_STATUS(NCR_OK, ncr_harmonics_analyse(NULL, &map, NULL, &b, NULL));
         CHECK_NEAR(difference(&a, &b), 0, 5e-7);
         ncr_image_dispose(NULL, &map);
         ncr_harmonics_dispose(NULL, &a);
@@ -551,7 +550,7 @@ int main(void)
         cmocka_unit_test(a_filled_map_holds_the_sum_of_its_harmonics),
         cmocka_unit_test(coefficients_are_sums_over_all_texels),
         cmocka_unit_test(fewer_rows_say_the_same_as_all),
-        cmocka_unit_test(exact_rows_recover_what_was_put_in),
+        cmocka_unit_test(analysis_recovers_what_was_put_in),
         cmocka_unit_test(strange_texels_are_counted_and_left_out),
         cmocka_unit_test(every_processor_sums_the_same_legendre_functions),
         cmocka_unit_test(every_processor_transforms_rows_of_any_smooth_width),

@@ -1,0 +1,93 @@
+/* SPDX-License-Identifier: MIT
+ * grid_kernel_internal.h - values of a grid on the sphere between its texels.
+ *
+ * This file follows:
+ *   [Moshier89]  S. Moshier, Methods and Programs for Mathematical Functions, 1989 (the arctangent)
+ */
+#ifndef NCR_SHADING_GRID_KERNEL_INTERNAL_H
+#define NCR_SHADING_GRID_KERNEL_INTERNAL_H
+
+#include "shading/harmonics_kernel_internal.h"
+#include "shading/prefilter_internal.h"
+#include "shading/wide_internal.h"
+
+#include <math.h>
+
+/* atan2(y, x) for y >= 0, x and y not both 0: relative error below 3e-7. */
+ALWAYS float angle_of(float y, float x)
+{
+    const float a = fabsf(x), small = a < y ? a : y, large = a < y ? y : a;
+    const float q = small / large;
+    const bool steep = q > 0.41421356f;
+    const float t = steep ? (q - 1) / (q + 1) : q, z = t * t;
+    const float p = ((8.05374449538e-2f * z - 1.38776856032e-1f) * z + 1.99777106478e-1f) * z -
+                    3.33329491539e-1f;
+    const float octant = (steep ? 0.785398163f : 0.0f) + (p * z * t + t);
+    const float quarter = a < y ? 1.57079633f - octant : octant;
+    return x < 0 ? 3.14159265f - quarter : quarter;
+}
+
+typedef struct grid_places {
+    float x[NCR_GRID_BATCH], y[NCR_GRID_BATCH]; /* in texels, from the centre of the first */
+} grid_places;
+
+static void find_places(const ncr_sphere_grid *grid, size_t count, const ncr_vec3 *directions,
+                        grid_places *out)
+{
+    float x[NCR_GRID_BATCH], y[NCR_GRID_BATCH], z[NCR_GRID_BATCH];
+    for (size_t k = 0; k < NCR_GRID_BATCH; k++) {
+        const ncr_vec3 d = directions[k < count ? k : 0];
+        x[k] = d.x, y[k] = d.y, z[k] = d.z;
+    }
+    const float tall = (float)grid->height * 0.318309886f, wide = (float)grid->width * 0.159154943f;
+    for (size_t k = 0; k < NCR_GRID_BATCH; k++) {
+        const float across = sqrtf(x[k] * x[k] + y[k] * y[k]);
+        const float phi = angle_of(fabsf(y[k]), across > 0 ? x[k] : 1);
+        out->y[k] = angle_of(across, z[k]) * tall - 0.5f;
+        out->x[k] = (y[k] < 0 ? 6.28318531f - phi : phi) * wide - 0.5f;
+    }
+}
+
+/* The 8 weights as polynomials in s in [-1,1], `terms` of them, highest first. */
+ALWAYS vf polynomial(const float *coefficient, size_t stride, vf s)
+{
+    vf sum = vf_load(coefficient);
+    for (int k = 1; k < NCR_GRID_TERMS; k++)
+        sum = vf_mad(sum, s, vf_load(coefficient + (size_t)k * stride));
+    return sum;
+}
+
+/* Rows are blended first, eight texels of four channels at once, then the texels. */
+static void sample_grid(const ncr_sphere_grid *grid, size_t count, const ncr_vec3 *directions,
+                        float *out)
+{
+    enum { row = 4 * NCR_GRID_TAPS, parts = row / LANES };
+    grid_places places;
+    find_places(grid, count, directions, &places);
+    for (size_t k = 0; k < count; k++) {
+        const float left = floorf(places.x[k]), top = floorf(places.y[k]);
+        const vf sx = vf_all(2 * (places.x[k] - left) - 1),
+                 sy = vf_all(2 * (places.y[k] - top) - 1);
+        /* Texel left - 3 is NCR_GRID_BORDER - 3 from the corner. */
+        const float *at =
+            grid->data + (size_t)((int)top + 1) * grid->stride + (size_t)((int)left + 1) * 4;
+        float tall[16];
+        vf sum[parts] = {{0}};
+        for (int i = 0; i < NCR_GRID_TAPS; i += LANES)
+            vf_store(tall + i, polynomial(grid->tall + i, 16, sy));
+        for (int i = 0; i < NCR_GRID_TAPS; i++, at += grid->stride)
+            for (int j = 0; j < parts; j++)
+                sum[j] = vf_mad(vf_all(tall[i]), vf_load(at + j * LANES), sum[j]);
+        vf total = {0};
+        for (int j = 0; j < parts; j++)
+            total = vf_mad(polynomial(grid->wide + j * LANES, row, sx), sum[j], total);
+        for (int c = 0; c < 4; c++) {
+            float value = 0;
+            for (int i = c; i < LANES; i += 4)
+                value += total[i];
+            out[4 * k + (size_t)c] = value;
+        }
+    }
+}
+
+#endif

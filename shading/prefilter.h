@@ -1,0 +1,159 @@
+/* SPDX-License-Identifier: MIT
+ * prefilter.h - environment maps filtered by radially symmetric lobes, exactly.
+ *
+ * One analysis of a map into spherical harmonics serves every lobe and every output: filtering is
+ * then a factor per degree, E(r) = sum lambda_l a(l,m) Y(l,m)(r). Maps and directions as in
+ * harmonics.h: equirectangular, theta from +Z, phi from +X toward +Y. Filtered maps are normalised:
+ * a constant comes out as it went in; Lambert gives irradiance / pi. */
+#ifndef NCR_SHADING_PREFILTER_H
+#define NCR_SHADING_PREFILTER_H
+
+#include "shading/harmonics.h"
+#include "shading/lobe.h"
+
+NCR_BEGIN
+
+enum { NCR_PREFILTER_LIGHTS = 64 };
+
+typedef struct ncr_prefilter ncr_prefilter;
+typedef struct ncr_prefilter_grid ncr_prefilter_grid;
+
+typedef struct ncr_prefilter_opts {
+    size_t struct_size;
+    uint32_t band_limit;      /* 0: what `sharpest` needs for `tolerance`, and no more than the map
+                                 has: half its height */
+    const ncr_lobe *sharpest; /* NULL: Lambert */
+    double tolerance;         /* see ncr_lobe_band_limit; 0: 1e-5 */
+    bool row_areas;           /* see ncr_harmonics_opts */
+    bool clamp_negative;      /* texels below 0 count as 0 */
+    double peel; /* take lights that hold more than this share of the map's power out of
+                                 it, and treat them one by one as discs of light; 0: none */
+} ncr_prefilter_opts;
+
+/** A disc of uniform light, taken out of the map. */
+typedef struct ncr_prefilter_light {
+    double direction[3]; /* unit, to its centre */
+    double solid_angle;  /* steradians: that of the texels it was */
+    double power[4];     /* radiance above its surroundings times solid angle, by channel */
+} ncr_prefilter_light;
+
+typedef struct ncr_prefilter_info {
+    uint32_t band_limit, channels;
+    ncr_texel_report texels; /* of the map as given, but `square` without the lights */
+    double mean[4];          /* of the map without its lights, by channel */
+    double peeled[4];        /* integral that went to the lights, by channel */
+    double unresolved; /* root mean square of what the map holds above the band limit, over the
+                                sphere, channels summed */
+    size_t light_count;
+} ncr_prefilter_info;
+
+/**
+ * Analyse a map.
+ *
+ * @param map   equirectangular, 1..4 channels, linear; not kept
+ * @param opts  NULL for defaults
+ * @return      NCR_E_ARG, NCR_E_NOMEM, NCR_E_CANCELLED
+ *
+ * Texels that are not finite count as 0, and are counted. With `peel`, a light is a patch of
+ * adjoining texels above 1/32 of its brightest one and 16 times the map's mean, no larger than
+ * 0.05 sr; the brightest NCR_PREFILTER_LIGHTS that hold their share are taken.
+ * Cost: one pass over the map and a small multiple. The object may be shared between threads.
+ */
+NCR_API ncr_status ncr_prefilter_create(const ncr_ctx *ctx, const ncr_image *map,
+                                        const ncr_prefilter_opts *opts, ncr_prefilter **out);
+NCR_API void ncr_prefilter_destroy(const ncr_ctx *ctx, ncr_prefilter *prefilter);
+
+NCR_API ncr_prefilter_info ncr_prefilter_info_get(const ncr_prefilter *prefilter);
+
+/** The lights, info.light_count of them, in falling power. Borrowed until destroy. */
+NCR_API const ncr_prefilter_light *ncr_prefilter_lights(const ncr_prefilter *prefilter);
+
+/** The coefficients, without the lights. Borrowed until destroy. */
+NCR_API const ncr_harmonics *ncr_prefilter_harmonics(const ncr_prefilter *prefilter);
+
+typedef enum ncr_positivity {
+    NCR_POSITIVITY_NONE = 0, /* ringing below 0 is left: energy is exact */
+    NCR_POSITIVITY_CLAMP,    /* values below 0 become 0, and the report says how much that adds */
+} ncr_positivity;
+
+typedef struct ncr_prefilter_output {
+    size_t struct_size;
+    ncr_window window;         /* against ringing */
+    ncr_positivity positivity; /* against what is left of it */
+    bool lights_off;           /* leave the lights out: the caller treats them himself */
+} ncr_prefilter_output;
+
+/** How good an output is. Radiance in the map's units. */
+typedef struct ncr_prefilter_report {
+    uint32_t band_limit;
+    double bound_max; /* no output is farther than this from the filtered map, because of the band
+                          limit: |E_L - E| <= max |k_L - k| int |map| */
+    double bound_rms; /* nor is their root mean square over the sphere farther than this, channels
+                          summed: max over l > L of |lambda_l|, times what the map holds there */
+    double lambda_error; /* of the eigenvalues, each in units of 1 */
+    double resampling;   /* root mean square error of interpolation, estimated degree by degree; 0
+                            for equirectangular outputs */
+    uint64_t clamped;    /* values that were below 0 and made 0 */
+    double added;        /* what that added: integral over the sphere and all channels, or for
+                            directions their sum */
+} ncr_prefilter_report;
+
+/**
+ * Filter into an equirectangular map.
+ *
+ * @param map     any size, with the prefilter's channels; overwritten. Texels hold the filtered map
+ *                at their centres
+ * @param opts    NULL for defaults
+ * @param report  NULL not wanted, and cheaper
+ *
+ * Same bits for any number of workers. Right to float rounding of the brightest parts of the map
+ * (measured: 1e-7 of the output's root mean square) beyond the reported bounds.
+ */
+NCR_API ncr_status ncr_prefilter_equirect(const ncr_ctx *ctx, const ncr_prefilter *prefilter,
+                                          const ncr_lobe *lobe, const ncr_prefilter_output *opts,
+                                          const ncr_image *map, ncr_prefilter_report *report);
+
+/**
+ * Filter for any directions: a grid is filled once and interpolated with 8 x 8 weights.
+ *
+ * @param directions  [count], any length but 0
+ * @param out         [count][channels]
+ *
+ * Otherwise as ncr_prefilter_equirect. Cost: one synthesis, then tens of nanoseconds each.
+ */
+NCR_API ncr_status ncr_prefilter_directions(const ncr_ctx *ctx, const ncr_prefilter *prefilter,
+                                            const ncr_lobe *lobe, const ncr_prefilter_output *opts,
+                                            size_t count, const ncr_vec3 *directions, float *out,
+                                            ncr_prefilter_report *report);
+
+/** The grid alone, for callers that make directions as they go. Independent of the prefilter.
+ *  `report` as for the directions, without what clamping adds. */
+NCR_API ncr_status ncr_prefilter_grid_create(const ncr_ctx *ctx, const ncr_prefilter *prefilter,
+                                             const ncr_lobe *lobe, const ncr_prefilter_output *opts,
+                                             ncr_prefilter_grid **out,
+                                             ncr_prefilter_report *report);
+NCR_API void ncr_prefilter_grid_destroy(const ncr_ctx *ctx, ncr_prefilter_grid *grid);
+
+/** The filtered map in `count` directions of any length but 0: out is [count][channels]. Re-entrant,
+ *  allocates nothing. */
+NCR_API void ncr_prefilter_grid_sample(const ncr_prefilter_grid *grid, size_t count,
+                                       const ncr_vec3 *directions, float *out);
+
+/**
+ * The definition, by brute force: every texel, weighed by the lobe and its row's quadrature.
+ *
+ *     E(r) = sum over texels of k(r . l) L w / int k
+ *
+ * @param row_areas   as in ncr_harmonics_opts
+ * @param directions  [count][3] unit
+ * @param out         [count][channels], double
+ *
+ * Texels that are not finite count as 0. Cost: count x texels; for tests and small outputs.
+ */
+NCR_API ncr_status ncr_prefilter_direct(const ncr_ctx *ctx, const ncr_image *map,
+                                        const ncr_lobe *lobe, bool row_areas, size_t count,
+                                        const double *directions, double *out);
+
+NCR_END
+
+#endif
