@@ -38,6 +38,7 @@
 #include "shading/method.h"
 #include "shading/prefilter.h"
 #include "shading/sky.h"
+#include "shading/tile_cache.h"
 #include "shading/tracer.h"
 #include "shading/world.h"
 

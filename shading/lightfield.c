@@ -17,11 +17,6 @@
 
 static const float half_max = 65504.0f;
 
-static size_t texel_bytes(ncr_texel_format format)
-{
-    return format == NCR_TEXEL_HALF ? 4 * sizeof(uint16_t) : 4 * sizeof(float);
-}
-
 /* Zeros in large pages where the system has them: a field is hundreds of megabytes, in which
  * look-ups jump about. Up to twice the rate on processors with few entries for pages, and far
  * fewer faults while it is filled. */
@@ -43,24 +38,21 @@ static void *alloc_texels(const ncr_ctx *ctx, size_t count, size_t size)
 
 /* Addresses run in 64 bits: 65535 points of 4096 texels exceed 32 by far; what does not fit into
  * memory is the allocator's to refuse. */
-static ncr_status allocate(const ncr_ctx *ctx, ncr_lightfield *field, bool depth)
+static ncr_status allocate(const ncr_ctx *ctx, ncr_lightfield *field)
 {
     const size_t texels = field->points * field->point_texels;
-    field->texels = alloc_texels(ctx, texels, texel_bytes(field->format));
+    field->texels = alloc_texels(ctx, texels, ncr_texel_bytes(field->format));
     if (!field->texels)
         return NCR_E_NOMEM;
-    field->bytes = texels * texel_bytes(field->format);
-    if (!depth)
+    if (!field->has_depth)
         return NCR_OK;
-
-    const size_t distances = (size_t)field->points * 6 * field->n * field->n;
-    field->depth = ncr_alloc_zero(ctx, distances, sizeof(float));
-    field->bytes += distances * sizeof(float);
+    field->depth =
+        ncr_alloc_zero(ctx, (size_t)field->points * 6 * field->n * field->n, sizeof(float));
     return field->depth ? NCR_OK : NCR_E_NOMEM;
 }
 
-ncr_status ncr_lightfield_create(const ncr_ctx *ctx, uint32_t points, uint32_t n,
-                                 const ncr_lightfield_opts *opts, ncr_lightfield **out)
+ncr_status ncr_lightfield_begin(const ncr_ctx *ctx, uint32_t points, uint32_t n,
+                                const ncr_lightfield_opts *opts, ncr_lightfield **out)
 {
     *out = NULL;
     const ncr_lightfield_opts o = opts ? *opts : (ncr_lightfield_opts){.struct_size = sizeof o};
@@ -84,20 +76,34 @@ ncr_status ncr_lightfield_create(const ncr_ctx *ctx, uint32_t points, uint32_t n
     field->row = (size_t)n + 2;
     field->face_texels = field->row * field->row;
     field->point_texels = 6 * field->face_texels;
-
-    const ncr_status status = allocate(ctx, field, o.depth);
-    if (status != NCR_OK) {
-        ncr_lightfield_destroy(ctx, field);
-        return status;
-    }
+    field->has_depth = o.depth;
+    field->bytes = points * field->point_texels * ncr_texel_bytes(field->format);
+    if (o.depth)
+        field->bytes += (size_t)points * 6 * n * n * sizeof(float);
     *out = field;
     return NCR_OK;
+}
+
+ncr_status ncr_lightfield_create(const ncr_ctx *ctx, uint32_t points, uint32_t n,
+                                 const ncr_lightfield_opts *opts, ncr_lightfield **out)
+{
+    ncr_lightfield *field;
+    ncr_status status = ncr_lightfield_begin(ctx, points, n, opts, &field);
+    *out = NULL;
+    if (status == NCR_OK)
+        status = allocate(ctx, field);
+    if (status == NCR_OK)
+        *out = field;
+    else
+        ncr_lightfield_destroy(ctx, field);
+    return status;
 }
 
 void ncr_lightfield_destroy(const ncr_ctx *ctx, ncr_lightfield *field)
 {
     if (!field)
         return;
+    ncr_stream_destroy(ctx, field->stream);
     ncr_free(ctx, field->texels);
     ncr_free(ctx, field->depth);
     ncr_free(ctx, field);
@@ -115,7 +121,7 @@ uint32_t ncr_lightfield_resolution(const ncr_lightfield *field)
 
 bool ncr_lightfield_has_depth(const ncr_lightfield *field)
 {
-    return field->depth != NULL;
+    return field->has_depth;
 }
 
 size_t ncr_lightfield_bytes(const ncr_lightfield *field)
@@ -141,12 +147,12 @@ static size_t depth_index(const ncr_lightfield *field, uint32_t point, uint32_t 
     return (((size_t)point * 6 + face) * field->n + y) * field->n + x;
 }
 
-/* One row of a tile in the field's format; returns how many values had to be clamped. */
-static uint64_t store_row(ncr_lightfield *field, size_t index, uint32_t width, const float *rgb)
+uint64_t ncr_lightfield_store_row(const ncr_lightfield *field, void *to, uint32_t width,
+                                  const float *rgb)
 {
     const float down = 1 / field->scale; /* exact: a power of two */
     if (field->format == NCR_TEXEL_FLOAT) {
-        float *out = (float *)field->texels + 4 * index;
+        float *out = to;
         for (uint32_t k = 0; k < width; k++, out += 4, rgb += 3) {
             for (int c = 0; c < 3; c++)
                 out[c] = rgb[c] * down;
@@ -155,7 +161,7 @@ static uint64_t store_row(ncr_lightfield *field, size_t index, uint32_t width, c
         return 0;
     }
 
-    uint16_t *out = (uint16_t *)field->texels + 4 * index;
+    uint16_t *out = to;
     uint64_t clamped = 0;
     float texel[4 * NCR_TILE_SIDE];
     for (uint32_t done = 0; done < width; done += NCR_TILE_SIDE) {
@@ -175,7 +181,7 @@ static uint64_t store_row(ncr_lightfield *field, size_t index, uint32_t width, c
 
 static bool tile_fits(const ncr_lightfield *field, const ncr_tile *tile)
 {
-    return tile->point < field->points && tile->face < 6 && tile->x < field->n &&
+    return field->texels && tile->point < field->points && tile->face < 6 && tile->x < field->n &&
            tile->y < field->n && tile->width <= field->n - tile->x &&
            tile->height <= field->n - tile->y && tile->rgb && (!field->depth || tile->z);
 }
@@ -191,7 +197,9 @@ static ncr_status write_tile(void *user, const ncr_tile *tile)
     for (uint32_t j = 0; j < tile->height; j++) {
         const size_t at =
             texel_index(field, tile->point, tile->face, (int)tile->x, (int)(tile->y + j));
-        clamped += store_row(field, at, tile->width, tile->rgb + 3 * (size_t)j * tile->width);
+        clamped += ncr_lightfield_store_row(
+            field, (char *)field->texels + at * ncr_texel_bytes(field->format), tile->width,
+            tile->rgb + 3 * (size_t)j * tile->width);
         if (field->depth)
             memcpy(field->depth + depth_index(field, tile->point, tile->face, tile->x, tile->y + j),
                    tile->z + (size_t)j * tile->width, tile->width * sizeof(float));
@@ -206,30 +214,29 @@ ncr_tile_sink ncr_lightfield_sink(ncr_lightfield *field)
     return (ncr_tile_sink){.user = field, .write = write_tile};
 }
 
-static void load(const ncr_lightfield *field, size_t index, float texel[4])
+static void load(const ncr_lightfield *field, const void *texels, size_t index, float texel[4])
 {
     if (field->format == NCR_TEXEL_FLOAT)
-        memcpy(texel, (const float *)field->texels + 4 * index, 4 * sizeof(float));
+        memcpy(texel, (const float *)texels + 4 * index, 4 * sizeof(float));
     else
-        for (int c = 0; c < 4; c++)
-            texel[c] = ncr_half_to_float(((const uint16_t *)field->texels)[4 * index + (size_t)c]);
+        for (size_t c = 0; c < 4; c++)
+            texel[c] = ncr_half_to_float(((const uint16_t *)texels)[4 * index + c]);
 }
 
-static void store(ncr_lightfield *field, size_t index, const float texel[4])
+static void store(const ncr_lightfield *field, void *texels, size_t index, const float texel[4])
 {
     if (field->format == NCR_TEXEL_FLOAT)
-        memcpy((float *)field->texels + 4 * index, texel, 4 * sizeof(float));
+        memcpy((float *)texels + 4 * index, texel, 4 * sizeof(float));
     else
-        for (int c = 0; c < 4; c++)
-            ((uint16_t *)field->texels)[4 * index + (size_t)c] = ncr_half_from_float(texel[c]);
+        for (size_t c = 0; c < 4; c++)
+            ((uint16_t *)texels)[4 * index + c] = ncr_half_from_float(texel[c]);
 }
 
-/* Index, within a point, of the texel that lies over the edge of a face at (x,y), one of which is
- * -1 or n. The apron's centre is half a texel beyond the edge, (major, beyond) = (1, 1 + 1/n);
+/* The texel that lies over the edge of a face at (x,y), one of which is -1 or n. The apron's centre is half a texel beyond the edge, (major, beyond) = (1, 1 + 1/n);
  * folding it about the edge onto the neighbour, (1 - 1/n, 1), meets that face's border texel. */
-static size_t over_the_edge(const ncr_lightfield *field, uint32_t face, int x, int y)
+ncr_texel_place ncr_lightfield_over_the_edge(uint32_t side, uint32_t face, int x, int y)
 {
-    const int n = (int)field->n;
+    const int n = (int)side;
     const float inward = 1.0f - 1.0f / (float)n;
     const float s = x < 0 ? -1.0f : x == n ? 1.0f : (2.0f * (float)x + 1.0f) / (float)n - 1.0f;
     const float t = y < 0 ? -1.0f : y == n ? 1.0f : (2.0f * (float)y + 1.0f) / (float)n - 1.0f;
@@ -241,21 +248,28 @@ static size_t over_the_edge(const ncr_lightfield *field, uint32_t face, int x, i
     const ncr_cube_coord c = ncr_cube_from_direction(d);
     const int cx = (int)((c.s + 1.0f) * 0.5f * (float)n);
     const int cy = (int)((c.t + 1.0f) * 0.5f * (float)n);
-    return texel_index(field, 0, c.face, cx < n ? cx : n - 1, cy < n ? cy : n - 1);
+    return (ncr_texel_place){c.face, cx < n ? cx : n - 1, cy < n ? cy : n - 1};
 }
 
 /* A corner of the cube belongs to three faces: (x,y) is the apron's corner, whose neighbours in
  * the apron already hold the other two. The mean makes all three faces agree at the corner. */
-static void seal_corner(ncr_lightfield *field, uint32_t point, uint32_t face, int x, int y)
+static void seal_corner(const ncr_lightfield *field, void *face, int x, int y)
 {
     const int n = (int)field->n, ix = x < 0 ? 0 : n - 1, iy = y < 0 ? 0 : n - 1;
     float a[4], b[4], c[4], mean[4];
-    load(field, texel_index(field, point, face, ix, iy), a);
-    load(field, texel_index(field, point, face, x, iy), b);
-    load(field, texel_index(field, point, face, ix, y), c);
+    load(field, face, texel_index(field, 0, 0, ix, iy), a);
+    load(field, face, texel_index(field, 0, 0, x, iy), b);
+    load(field, face, texel_index(field, 0, 0, ix, y), c);
     for (int k = 0; k < 4; k++)
         mean[k] = (float)(((double)a[k] + b[k] + c[k]) / 3.0);
-    store(field, texel_index(field, point, face, x, y), mean);
+    store(field, face, texel_index(field, 0, 0, x, y), mean);
+}
+
+void ncr_lightfield_seal_corners(const ncr_lightfield *field, void *face)
+{
+    const int n = (int)field->n;
+    for (int corner = 0; corner < 4; corner++)
+        seal_corner(field, face, corner & 1 ? n : -1, corner & 2 ? n : -1);
 }
 
 typedef struct seal_job {
@@ -263,8 +277,7 @@ typedef struct seal_job {
     size_t *source; /* [6][4][n] texels that lie over each edge: the same for every point */
 } seal_job;
 
-/* Edge texels in the order left, right, top, bottom. */
-static void edge_texel(int n, int edge, int k, int *x, int *y)
+void ncr_lightfield_edge_texel(int n, int edge, int k, int *x, int *y)
 {
     *x = edge == 0 ? -1 : edge == 1 ? n : k;
     *y = edge == 2 ? -1 : edge == 3 ? n : k;
@@ -276,7 +289,7 @@ static void seal_points(size_t begin, size_t end, unsigned worker, void *arg)
     const seal_job *job = arg;
     ncr_lightfield *field = job->field;
     const int n = (int)field->n;
-    const size_t size = texel_bytes(field->format);
+    const size_t size = ncr_texel_bytes(field->format);
 
     for (size_t point = begin; point < end; point++) {
         char *texels = (char *)field->texels + point * field->point_texels * size;
@@ -284,18 +297,19 @@ static void seal_points(size_t begin, size_t end, unsigned worker, void *arg)
         for (uint32_t face = 0; face < 6; face++) {
             for (int edge = 0; edge < 4; edge++)
                 for (int k = 0, x, y; k < n; k++) {
-                    edge_texel(n, edge, k, &x, &y);
+                    ncr_lightfield_edge_texel(n, edge, k, &x, &y);
                     memcpy(texels + texel_index(field, 0, face, x, y) * size,
                            texels + *source++ * size, size);
                 }
-            for (int corner = 0; corner < 4; corner++)
-                seal_corner(field, (uint32_t)point, face, corner & 1 ? n : -1, corner & 2 ? n : -1);
+            ncr_lightfield_seal_corners(field, texels + face * field->face_texels * size);
         }
     }
 }
 
 ncr_status ncr_lightfield_seal(const ncr_ctx *ctx, ncr_lightfield *field)
 {
+    if (field->stream)
+        return NCR_OK; /* each face is sealed when it is read */
     const int n = (int)field->n;
     size_t *source = ncr_alloc(ctx, 24 * (size_t)n * sizeof *source);
     if (!source)
@@ -305,8 +319,9 @@ ncr_status ncr_lightfield_seal(const ncr_ctx *ctx, ncr_lightfield *field)
     for (uint32_t face = 0; face < 6; face++)
         for (int edge = 0; edge < 4; edge++)
             for (int k = 0, x, y; k < n; k++) {
-                edge_texel(n, edge, k, &x, &y);
-                *at++ = over_the_edge(field, face, x, y);
+                ncr_lightfield_edge_texel(n, edge, k, &x, &y);
+                const ncr_texel_place p = ncr_lightfield_over_the_edge(field->n, face, x, y);
+                *at++ = texel_index(field, 0, p.face, p.x, p.y);
             }
 
     seal_job job = {field, source};
@@ -320,20 +335,26 @@ void ncr_lightfield_texel(const ncr_lightfield *field, uint32_t point, uint32_t 
 {
     assert(point < field->points && face < 6 && x < field->n && y < field->n);
     float texel[4];
-    load(field, texel_index(field, point, face, (int)x, (int)y), texel);
+    if (field->stream)
+        ncr_stream_texel(field, point, face, x, y, texel, z);
+    else
+        load(field, field->texels, texel_index(field, point, face, (int)x, (int)y), texel);
     for (int c = 0; c < 3; c++)
         rgb[c] = texel[c] * field->scale;
-    if (z)
+    if (z && !field->stream)
         *z = field->depth ? field->depth[depth_index(field, point, face, x, y)] : INFINITY;
 }
 
 float ncr_lightfield_distance(const ncr_lightfield *field, uint32_t point, ncr_vec3 d)
 {
-    assert(field->depth && point < field->points);
+    assert(field->has_depth && point < field->points);
     const ncr_cube_coord c = ncr_cube_from_direction(d);
     const float n = (float)field->n;
     const uint32_t x = (uint32_t)((c.s + 1.0f) * 0.5f * n), y = (uint32_t)((c.t + 1.0f) * 0.5f * n);
-    const uint32_t last = field->n - 1;
-    return field
-        ->depth[depth_index(field, point, c.face, x < last ? x : last, y < last ? y : last)];
+    const uint32_t last = field->n - 1, ix = x < last ? x : last, iy = y < last ? y : last;
+    if (!field->stream)
+        return field->depth[depth_index(field, point, c.face, ix, iy)];
+    float texel[4], z = 0;
+    ncr_stream_texel(field, point, c.face, ix, iy, texel, &z);
+    return z;
 }

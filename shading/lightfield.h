@@ -40,6 +40,21 @@ typedef struct ncr_tile_sink {
     ncr_status (*write)(void *user, const ncr_tile *tile);
 } ncr_tile_sink;
 
+/** What a read of a part of a tile found. */
+typedef struct ncr_tile_read {
+    bool captured;  /* false: the tile was left out, nothing is filled */
+    uint64_t bytes; /* read for it */
+} ncr_tile_read;
+
+/** Where tiles come from when they are not kept in memory: a file, a test. `part` is a part of one
+ *  tile, without texels; rgb and z (NULL: not wanted) are filled as ncr_tile says. Called from
+ *  several threads at once; a failure has been reported by who returns it. */
+typedef struct ncr_tile_source {
+    void *user;
+    ncr_status (*read)(void *user, const ncr_tile *part, float *rgb, float *z,
+                       ncr_tile_read *found);
+} ncr_tile_source;
+
 typedef enum ncr_texel_format {
     NCR_TEXEL_HALF = 0, /* 4 halves: r g b 1 (0 where nothing was captured) */
     NCR_TEXEL_FLOAT,    /* 4 floats */
@@ -62,11 +77,42 @@ typedef struct ncr_lightfield_opts {
  */
 NCR_API ncr_status ncr_lightfield_create(const ncr_ctx *ctx, uint32_t points, uint32_t n,
                                          const ncr_lightfield_opts *opts, ncr_lightfield **out);
+
+/**
+ * A light field whose faces are read from a source when they are looked at, and the most recent
+ * ones kept. Look-ups give the same bits as from memory; those of one call are sorted by face, so
+ * that a small cache does.
+ *
+ * @param opts    as the source's tiles are, for the same bits as from memory
+ * @param source  its `user` is borrowed until destroy
+ * @param budget  bytes for the faces kept and their bookkeeping
+ * @return        NCR_E_LIMIT when the budget does not hold one face, NCR_E_ARG, NCR_E_NOMEM
+ *
+ * A face that cannot be read looks like one that was never captured; ask ncr_lightfield_status.
+ */
+NCR_API ncr_status ncr_lightfield_stream(const ncr_ctx *ctx, uint32_t points, uint32_t n,
+                                         const ncr_lightfield_opts *opts,
+                                         const ncr_tile_source *source, size_t budget,
+                                         ncr_lightfield **out);
+
+/** How a field that is streamed fared; zeros for one in memory. */
+typedef struct ncr_lightfield_traffic {
+    uint64_t hits,
+        misses; /* faces found and read; depends on how threads met, the light does not */
+    uint64_t bytes_read;
+    size_t faces, bytes; /* faces kept at most; memory for them */
+} ncr_lightfield_traffic;
+NCR_API ncr_lightfield_traffic ncr_lightfield_count(const ncr_lightfield *field);
+
+/** NCR_OK, or the first failure of the source. */
+NCR_API ncr_status ncr_lightfield_status(const ncr_lightfield *field);
+
 NCR_API void ncr_lightfield_destroy(const ncr_ctx *ctx, ncr_lightfield *field);
 
 NCR_API uint32_t ncr_lightfield_points(const ncr_lightfield *field);
 NCR_API uint32_t ncr_lightfield_resolution(const ncr_lightfield *field);
 NCR_API bool ncr_lightfield_has_depth(const ncr_lightfield *field);
+/** Bytes of all its texels, whether they are in memory or not. */
 NCR_API size_t ncr_lightfield_bytes(const ncr_lightfield *field);
 
 /** A sink that writes into this field; values past half's 65504 after scaling are clamped and

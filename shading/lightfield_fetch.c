@@ -38,29 +38,26 @@ static void load_texel(const ncr_lightfield *field, size_t index, float texel[4]
     }
 }
 
-/* Columns first, then across, as a + f (b - a): exact for constants, and the order in which wide
- * registers do it, so that every path has the same bits. */
 static void bilinear(const ncr_lightfield *field, uint32_t point, ncr_vec3 d, float out[4])
 {
     const ncr_footprint at = ncr_lightfield_footprint(field->n, d);
     const size_t first = point * field->point_texels + at.first;
-    float a[4], b[4], c[4], e[4];
-    load_texel(field, first, a);
-    load_texel(field, first + 1, b);
-    load_texel(field, first + field->row, c);
-    load_texel(field, first + field->row + 1, e);
-    for (int k = 0; k < 4; k++) {
-        const float left = a[k] + at.fy * (c[k] - a[k]);
-        const float right = b[k] + at.fy * (e[k] - b[k]);
-        out[k] = left + at.fx * (right - left);
-    }
+    float corner[4][4];
+    load_texel(field, first, corner[0]);
+    load_texel(field, first + 1, corner[1]);
+    load_texel(field, first + field->row, corner[2]);
+    load_texel(field, first + field->row + 1, corner[3]);
+    ncr_corners_mix(corner, at.fx, at.fy, out);
 }
 
 ncr_vec3 ncr_lightfield_fetch(const ncr_lightfield *field, uint32_t point, ncr_vec3 d)
 {
     assert(point < field->points);
     float texel[4];
-    bilinear(field, point, d, texel);
+    if (field->stream)
+        ncr_stream_fetch(field, point, d, texel);
+    else
+        bilinear(field, point, d, texel);
     return (ncr_vec3){texel[0] * field->scale, texel[1] * field->scale, texel[2] * field->scale};
 }
 
@@ -125,11 +122,7 @@ size_t ncr_lightfield_blend_c(const ncr_lightfield *field, size_t count, unsigne
             add_corners(field, point[j][k] * field->point_texels + at.first, w[j][k], sum);
             total += w[j][k];
         }
-        for (int c = 0; c < 4; c++) {
-            const float left = sum[0][c] + at.fy * (sum[2][c] - sum[0][c]);
-            const float right = sum[1][c] + at.fy * (sum[3][c] - sum[1][c]);
-            mix[c] = left + at.fx * (right - left);
-        }
+        ncr_corners_mix(sum, at.fx, at.fy, mix);
         for (int c = 0; c < 3; c++)
             out[c][k] = mix[c] * field->scale;
         if (mix[3] != total)
@@ -144,7 +137,8 @@ size_t ncr_lightfield_blend(const ncr_lightfield *field, size_t count, unsigned 
 {
     static ncr_blend_fn *const by_level[] = {ncr_lightfield_blend_c, ncr_lightfield_blend_avx2,
                                              ncr_lightfield_blend_avx512};
-    return by_level[ncr_cpu_level()](field, count, points, point, w, d, out);
+    ncr_blend_fn *fn = field->stream ? ncr_lightfield_blend_stream : by_level[ncr_cpu_level()];
+    return fn(field, count, points, point, w, d, out);
 }
 
 size_t ncr_lightfield_accumulate(const ncr_lightfield *field, size_t count, const uint16_t *point,
@@ -153,5 +147,7 @@ size_t ncr_lightfield_accumulate(const ncr_lightfield *field, size_t count, cons
     static ncr_accumulate_fn *const by_level[] = {ncr_lightfield_accumulate_c,
                                                   ncr_lightfield_accumulate_avx2,
                                                   ncr_lightfield_accumulate_avx512};
-    return by_level[ncr_cpu_level()](field, count, point, d, w, out);
+    ncr_accumulate_fn *fn =
+        field->stream ? ncr_lightfield_accumulate_stream : by_level[ncr_cpu_level()];
+    return fn(field, count, point, d, w, out);
 }

@@ -19,10 +19,46 @@ struct ncr_lightfield {
     size_t face_texels;  /* row * row */
     size_t point_texels; /* 6 faces */
     void *texels;
-    float *depth; /* [point][face][n][n], no apron; NULL: none */
+    bool has_depth;
+    float *depth; /* [point][face][n][n], no apron */
     size_t bytes;
     _Atomic uint64_t overflows;
+    struct ncr_face_stream *stream; /* faces are read when looked at; NULL: all are in memory */
 };
+
+static inline size_t ncr_texel_bytes(ncr_texel_format format)
+{
+    return format == NCR_TEXEL_HALF ? 4 * sizeof(uint16_t) : 4 * sizeof(float);
+}
+
+/* ---- How faces are filled, in memory or one by one. Faces are given by their first texel, that of
+ * the apron; x and y are -1 to n. ---- */
+
+/* A row of texels in the field's format; returns how many values had to be clamped. */
+uint64_t ncr_lightfield_store_row(const ncr_lightfield *field, void *to, uint32_t width,
+                                  const float *rgb);
+/* The texel beyond the edge of a face is one of another face. */
+typedef struct ncr_texel_place {
+    uint32_t face;
+    int x, y;
+} ncr_texel_place;
+ncr_texel_place ncr_lightfield_over_the_edge(uint32_t n, uint32_t face, int x, int y);
+/* Edge texels of the apron: edge 0..3 is left, right, top, bottom; k runs along it. */
+void ncr_lightfield_edge_texel(int n, int edge, int k, int *x, int *y);
+/* The four corners of an apron whose edges are there. */
+void ncr_lightfield_seal_corners(const ncr_lightfield *field, void *face);
+
+/* All but the memory for texels. */
+ncr_status ncr_lightfield_begin(const ncr_ctx *ctx, uint32_t points, uint32_t n,
+                                const ncr_lightfield_opts *opts, ncr_lightfield **out);
+
+/* ---- A streamed field's part of the interface ---- */
+
+void ncr_stream_destroy(const ncr_ctx *ctx, struct ncr_face_stream *stream);
+/* A look-up's mixed texel: rgb as stored, and the share that was captured. */
+void ncr_stream_fetch(const ncr_lightfield *field, uint32_t point, ncr_vec3 d, float texel[4]);
+void ncr_stream_texel(const ncr_lightfield *field, uint32_t point, uint32_t face, uint32_t x,
+                      uint32_t y, float texel[4], float *z);
 
 /* A bilinear look-up: texels `first`, `first + 1`, `first + row`, `first + row + 1` of the point,
  * and how far between them. */
@@ -35,6 +71,18 @@ typedef struct ncr_footprint {
  * zero or not a number gets the first texel of some face, never an address outside. */
 ncr_footprint ncr_lightfield_footprint(uint32_t n, ncr_vec3 d);
 
+/* Columns first, then across, as a + f (b - a): exact for constants, and the order in which wide
+ * registers do it, so that every path has the same bits. `corner`: two texels of a row, then two of
+ * the next. */
+static inline void ncr_corners_mix(float corner[4][4], float fx, float fy, float out[4])
+{
+    for (int k = 0; k < 4; k++) {
+        const float left = corner[0][k] + fy * (corner[2][k] - corner[0][k]);
+        const float right = corner[1][k] + fy * (corner[3][k] - corner[1][k]);
+        out[k] = left + fx * (right - left);
+    }
+}
+
 typedef size_t ncr_accumulate_fn(const ncr_lightfield *field, size_t count, const uint16_t *point,
                                  const float *const d[3], const float *w, float *const out[3]);
 
@@ -44,8 +92,9 @@ typedef size_t ncr_blend_fn(const ncr_lightfield *field, size_t count, unsigned 
 
 /* The definition, and what a processor can do about it. All give the same bits. */
 ncr_accumulate_fn ncr_lightfield_accumulate_c, ncr_lightfield_accumulate_avx2,
-    ncr_lightfield_accumulate_avx512;
-ncr_blend_fn ncr_lightfield_blend_c, ncr_lightfield_blend_avx2, ncr_lightfield_blend_avx512;
+    ncr_lightfield_accumulate_avx512, ncr_lightfield_accumulate_stream;
+ncr_blend_fn ncr_lightfield_blend_c, ncr_lightfield_blend_avx2, ncr_lightfield_blend_avx512,
+    ncr_lightfield_blend_stream;
 
 /* Look-ups of pixel k of a blend that have weight and touch a texel never captured. */
 size_t ncr_lightfield_trapped(const ncr_lightfield *field, size_t k, unsigned points,

@@ -306,6 +306,8 @@ ncr_status ncr_method_shade(const ncr_ctx *ctx, const ncr_method *method, ncr_te
         if (inputs->horizon_off)
             call.job.horizon = -2;
         status = run_chunks(ctx, &call, &sum);
+        if (status == NCR_OK && inputs->light)
+            status = ncr_lightfield_status(inputs->light);
     }
     ncr_free(ctx, point);
     sum.seconds = seconds_now() - start;
