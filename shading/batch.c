@@ -39,8 +39,8 @@ void ncr_batch_lambert(const ncr_irradiance *ir, const lit_points *at, light_use
     const ncr_vec3 full = ir->sky.irradiance;
     for (size_t k = 0; k < at->count; k++) {
         const object_light *object = &ir->objects[at->object[k]];
-        float stored[4], albedo[3];
-        irradiance_look(ir, object, at->patch[k], at->u[k], at->v[k], stored);
+        const node_light stored = irradiance_look(ir, object, at->patch[k], at->u[k], at->v[k]);
+        float albedo[3];
         albedo_at(ir, object->material, at->p[0][k], at->p[1][k], at->p[2][k], at->u[k], at->v[k],
                   albedo);
         rgb[0][k] = inv_pi * albedo[0] * (stored[0] + full.x * sun[k]);

@@ -27,6 +27,11 @@ static uint32_t first_rays(size_t sites, uint32_t last)
     return rays;
 }
 
+static void write_node(node_light *node, const site_light *site)
+{
+    *node = (node_light){site->value[0], site->value[1], site->value[2], 0};
+}
+
 /* value = lamps + gathered where a site is free, and its neighbours' where it is not; then the
  * nodes, which look-ups read, take it over. */
 static ncr_status publish(const ncr_ctx *ctx, const gather_job *job, size_t *buried)
@@ -37,7 +42,7 @@ static ncr_status publish(const ncr_ctx *ctx, const gather_job *job, size_t *bur
             job->sites[k].value[c] = job->sites[k].lamps[c] + job->sites[k].gathered[c];
     const ncr_status status = ncr_sites_spread(ctx, l, job->sites, buried);
     for (size_t k = 0; status == NCR_OK && k < l->node_count; k++)
-        memcpy(job->ir->node[k], job->sites[l->site[k]].value, sizeof job->sites->value);
+        write_node(&job->ir->node[k], &job->sites[l->site[k]]);
     return status;
 }
 
@@ -55,7 +60,7 @@ static ncr_status carry_bounces(const ncr_ctx *ctx, const gather_job *job, uint3
             status = ncr_sites_spread(ctx, job->layout, job->sites, &buried);
     }
     for (size_t k = 0; status == NCR_OK && k < job->layout->node_count; k++)
-        memcpy(job->ir->node[k], job->sites[job->layout->site[k]].value, sizeof job->sites->value);
+        write_node(&job->ir->node[k], &job->sites[job->layout->site[k]]);
     ncr_free(ctx, next);
     return status;
 }
@@ -211,7 +216,6 @@ void ncr_irradiance_destroy(const ncr_ctx *ctx, ncr_irradiance *irradiance)
 ncr_vec3 ncr_irradiance_at(const ncr_irradiance *irradiance, uint32_t object, uint32_t patch,
                            float u, float v)
 {
-    float rgb[4];
-    irradiance_look(irradiance, &irradiance->objects[object], patch, u, v, rgb);
-    return v_make(rgb[0], rgb[1], rgb[2]);
+    const node_light e = irradiance_look(irradiance, &irradiance->objects[object], patch, u, v);
+    return v_make(e[0], e[1], e[2]);
 }

@@ -37,13 +37,16 @@ ncr_status ncr_node_layout_create(const ncr_ctx *ctx, const ncr_scene *scene,
                                   const object_light *objects, node_layout *out);
 void ncr_node_layout_dispose(const ncr_ctx *ctx, node_layout *layout);
 
+/* One node's rgb and padding: moved and weighed as one, in a vector register where there is one. */
+typedef float node_light __attribute__((vector_size(16)));
+
 struct ncr_irradiance {
     const ncr_world *world;
     sky_ready sky;
     double unit, centre[3]; /* model = centre + unit frame */
     object_light *objects;
     node_grid *grids;
-    float (*node)[4]; /* rgb and padding: one load per corner */
+    node_light *node;
 };
 
 static inline bool light_is_on(const float rgb[3])
@@ -52,8 +55,8 @@ static inline bool light_is_on(const float rgb[3])
 }
 
 /* Bilinear between the four nodes about (u,v). */
-static inline void irradiance_look(const ncr_irradiance *ir, const object_light *object,
-                                   uint32_t patch, float u, float v, float rgb[4])
+static inline node_light irradiance_look(const ncr_irradiance *ir, const object_light *object,
+                                         uint32_t patch, float u, float v)
 {
     const node_grid *g = &ir->grids[object->first_grid + patch];
     const float x = u * g->steps_u, y = v * g->steps_v;
@@ -61,16 +64,19 @@ static inline void irradiance_look(const ncr_irradiance *ir, const object_light 
     i = i < g->nu - 1 ? i : g->nu - 2;
     j = j < g->nv - 1 ? j : g->nv - 2;
     const float fx = x - (float)i, fy = y - (float)j;
-    const float *low = ir->node[g->first + (size_t)j * g->nu + i], *high = low + 4 * (size_t)g->nu;
+    const node_light *low = ir->node + g->first + (size_t)j * g->nu + i, *high = low + g->nu;
     const float w00 = (1 - fx) * (1 - fy), w10 = fx * (1 - fy), w01 = (1 - fx) * fy, w11 = fx * fy;
-    for (int c = 0; c < 4; c++)
-        rgb[c] = (w00 * low[c] + w10 * low[4 + c]) + (w01 * high[c] + w11 * high[4 + c]);
+    return (w00 * low[0] + w10 * low[1]) + (w01 * high[0] + w11 * high[1]);
 }
 
 /* Albedo of a surface point in frame units. */
 static inline void albedo_at(const ncr_irradiance *ir, const ncr_material *material, float x,
                              float y, float z, float u, float v, float rgb[3])
 {
+    if (material->pattern == NCR_PATTERN_PLAIN) {
+        memcpy(rgb, material->color[0], sizeof material->color[0]);
+        return;
+    }
     const double model[3] = {ir->centre[0] + ir->unit * (double)x,
                              ir->centre[1] + ir->unit * (double)y,
                              ir->centre[2] + ir->unit * (double)z};
