@@ -9,7 +9,7 @@ typedef struct render_options {
     app common;
     const char *scene, *image, *mask, *method, *recon, *term, *field, *camera, *preset, *object;
     uint32_t size[2], cube, depth_levels, supersample;
-    double exposure;
+    double exposure, memory;
     bool object_only;
 } render_options;
 
@@ -55,7 +55,9 @@ static bool needs_probe(const ncr_method *method)
 static ncr_status read_field(render_job *job)
 {
     const app *a = &job->o->common;
-    const ncr_status status = ncr_field_read(&a->ctx, job->o->field, false, &job->field);
+    const double memory = job->o->memory < 0x1p62 ? job->o->memory : 0;
+    const ncr_status status =
+        ncr_field_open(&a->ctx, job->o->field, false, (size_t)memory, &job->field);
     if (status != NCR_OK)
         return status;
     job->s.object = ncr_scene_find(job->s.world->scene, job->field.object);
@@ -166,6 +168,21 @@ static ncr_status write_files(render_job *job)
     return status;
 }
 
+/* How the cache fared, when the field's light did not fit into the memory allowed. */
+static void add_traffic(const render_job *job, json_t *object)
+{
+    const ncr_lightfield_traffic t = ncr_lightfield_count(job->field.light);
+    app_say(&job->o->common,
+            "light from the file: %llu faces read (%.1f MB), %llu found among %zu kept in %.1f MB",
+            (unsigned long long)t.misses, 1e-6 * (double)t.bytes_read, (unsigned long long)t.hits,
+            t.faces, 1e-6 * (double)t.bytes);
+    json_object_set_new(object, "cache",
+                        json_pack("{s:I, s:I, s:I, s:I, s:I}", "bytes", (json_int_t)t.bytes,
+                                  "faces", (json_int_t)t.faces, "hits", (json_int_t)t.hits,
+                                  "misses", (json_int_t)t.misses, "bytes_read",
+                                  (json_int_t)t.bytes_read));
+}
+
 static void say_result(const render_job *job, const ncr_method *method, const char *term,
                        double total)
 {
@@ -175,15 +192,17 @@ static void say_result(const render_job *job, const ncr_method *method, const ch
             (unsigned long long)st->shaded,
             ncr_scene_object_name(job->s.world->scene, job->s.object), job->o->method, st->seconds,
             (unsigned long long)st->lookups, (unsigned long long)st->rays, job->o->image);
-    app_print_json(a, json_pack("{s:s, s:s, s:s, s:I, s:I, s:{s:f, s:f, s:f, s:f}, s:I, s:I, s:I, "
-                                "s:I}",
-                                "schema", "nacre.render/1", "method", job->o->method, "term", term,
-                                "pixels", (json_int_t)job->v.gbuffer.width * job->v.gbuffer.height,
-                                "shaded", (json_int_t)st->shaded, "seconds", "light",
-                                job->s.light.seconds, "gbuffer", job->v.stats.seconds, "shade",
-                                st->seconds, "total", total, "lookups", (json_int_t)st->lookups,
-                                "rays", (json_int_t)st->rays, "fallbacks",
-                                (json_int_t)st->fallbacks, "trapped", (json_int_t)st->trapped));
+    json_t *object =
+        json_pack("{s:s, s:s, s:s, s:I, s:I, s:{s:f, s:f, s:f, s:f}, s:I, s:I, s:I, s:I}", "schema",
+                  "nacre.render/1", "method", job->o->method, "term", term, "pixels",
+                  (json_int_t)job->v.gbuffer.width * job->v.gbuffer.height, "shaded",
+                  (json_int_t)st->shaded, "seconds", "light", job->s.light.seconds, "gbuffer",
+                  job->v.stats.seconds, "shade", st->seconds, "total", total, "lookups",
+                  (json_int_t)st->lookups, "rays", (json_int_t)st->rays, "fallbacks",
+                  (json_int_t)st->fallbacks, "trapped", (json_int_t)st->trapped);
+    if (job->field.source)
+        add_traffic(job, object);
+    app_print_json(a, object);
     (void)method;
 }
 
@@ -230,6 +249,7 @@ int verb_render(int argc, char **argv)
         {"--term", 0, OPTION_TEXT, &o.term, "TERM", "recon, reflect or full (default full)"},
         {"--recon", 0, OPTION_TEXT, &o.recon, "NAME", "reconstruction under a full term"},
         {"--field", 0, OPTION_TEXT, &o.field, "FIELD", "a baked field: what OSLF methods read"},
+        {"--memory", 0, OPTION_NUMBER, &o.memory, "BYTES", "keep no more of the field's light"},
         {"--camera", 0, OPTION_TEXT, &o.camera, "NAME", "a camera of the scene (default: first)"},
         {"--size", 0, OPTION_SIZE, o.size, "WxH", "image size (default: the preset's)"},
         {"--preset", 0, OPTION_TEXT, &o.preset, "NAME", "quick, mid or thesis (default mid)"},

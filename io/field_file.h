@@ -110,6 +110,7 @@ typedef struct ncr_field {
     bool occlusion;
     uint64_t clamped, bytes; /* values cut to half's range when written; size of all files */
     uint64_t omitted_tiles;  /* how many were left out */
+    struct ncr_radiance_source *source; /* what `light` is read from; NULL: it is in memory */
 } ncr_field;
 
 /** Read and check a field: version, sizes, ranges, counts, charts inside their page and apart, no
@@ -118,6 +119,15 @@ typedef struct ncr_field {
  *  @return        NCR_E_IO, NCR_E_FORMAT (file and what is wrong), NCR_E_NOMEM */
 NCR_API ncr_status ncr_field_read(const ncr_ctx *ctx, const char *path, bool verify,
                                   ncr_field *out);
+/** As ncr_field_read; but when the light needs more than `memory` bytes (0: no limit), it stays in
+ *  the file, and the faces looked at of late are kept within so many bytes (ncr_lightfield_stream).
+ *  The file is open until dispose, whatever takes its place; its tiles are checked as they are
+ *  read. The context is borrowed until dispose.
+ *  @return  also NCR_E_LIMIT: so little does not hold one face */
+NCR_API ncr_status ncr_field_open(const ncr_ctx *ctx, const char *path, bool verify, size_t memory,
+                                  ncr_field *out);
+/** Remove a field's folder. NCR_E_IO when something else lies in it, or it cannot be removed. */
+NCR_API ncr_status ncr_field_remove(const ncr_ctx *ctx, const char *path);
 NCR_API void ncr_field_dispose(const ncr_ctx *ctx, ncr_field *field);
 
 NCR_END

@@ -22,6 +22,18 @@ typedef struct ncr_field_path {
 } ncr_field_path;
 ncr_field_path ncr_field_join(const char *folder, const char *name);
 
+/* ---- The folder ---- */
+
+extern const char ncr_radiance_name[], ncr_journal_name[];
+
+/* NCR_E_IO when something is there that is no folder, or holds what is no part of a field. */
+ncr_status ncr_field_check_replaceable(const ncr_ctx *ctx, const char *path);
+/* What belongs to a field; with `keep_tiles` not radiance.exr and its journal. */
+void ncr_field_remove_files(const char *path, bool keep_tiles);
+/* The files, and the folder if nothing else is in it. */
+void ncr_field_discard(const char *path);
+ncr_status ncr_field_sync_parent(const ncr_ctx *ctx, const char *path);
+
 /* ---- field.json ---- */
 
 typedef struct ncr_field_entry {

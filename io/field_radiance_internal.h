@@ -128,9 +128,23 @@ size_t ncr_radiance_packed_bytes(const ncr_radiance_layout *l, const ncr_tile *t
 size_t ncr_radiance_read_packed(int fd, const ncr_radiance_layout *l, const ncr_tile *tile,
                                 uint8_t *packed);
 
+/* A piece of a line of `line_width` texels, `width` of them from x on. False when a value is negative
+ * or not finite (a distance may be infinite). `scale`: stored value to radiance. */
+bool ncr_radiance_unpack(const ncr_radiance_layout *l, float scale, const uint8_t *line,
+                         size_t line_width, uint32_t x, uint32_t width, float *rgb, float *z);
+
 /* ---- Reading: all tiles into a new, sealed light field. ---- */
 
 ncr_status ncr_radiance_read(const ncr_ctx *ctx, const char *path,
                              const ncr_field_manifest *manifest, ncr_lightfield **out);
+
+/* ---- Or tile by tile: a light field with room for `budget` bytes of faces, over an open file. The
+ * context is borrowed until close, which comes after the light field's end. ---- */
+
+typedef struct ncr_radiance_source ncr_radiance_source;
+ncr_status ncr_radiance_stream(const ncr_ctx *ctx, const char *path,
+                               const ncr_field_manifest *manifest, size_t budget,
+                               ncr_radiance_source **source, ncr_lightfield **out);
+void ncr_radiance_source_close(const ncr_ctx *ctx, ncr_radiance_source *source);
 
 #endif

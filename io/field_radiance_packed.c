@@ -1,7 +1,9 @@
 /* SPDX-License-Identifier: MIT */
+#include "core/half.h"
 #include "io/field_radiance_internal.h"
 
 #include <errno.h>
+#include <math.h>
 #include <string.h>
 #include <unistd.h>
 
@@ -61,4 +63,39 @@ size_t ncr_radiance_read_packed(int fd, const ncr_radiance_layout *l, const ncr_
         j += (uint32_t)count;
     }
     return bytes;
+}
+
+/* A row of one colour. */
+static void unpack_color(bool half, uint32_t width, const uint8_t *in, float *out)
+{
+    uint16_t halves[NCR_TILE_SIDE];
+    if (half) {
+        memcpy(halves, in, width * sizeof *halves);
+        ncr_half_to_floats(width, halves, out);
+    } else {
+        memcpy(out, in, width * sizeof *out);
+    }
+}
+
+bool ncr_radiance_unpack(const ncr_radiance_layout *l, float scale, const uint8_t *line,
+                         size_t line_width, uint32_t x, uint32_t width, float *rgb, float *z)
+{
+    const size_t value = l->half ? 2 : 4, plane = line_width * value;
+    float color[3][NCR_TILE_SIDE]; /* B, G, R */
+    unsigned bad_values = 0;
+    for (size_t c = 0; c < 3; c++)
+        unpack_color(l->half, width, line + c * plane + x * value, color[c]);
+    for (uint32_t k = 0; k < width; k++) {
+        for (uint32_t c = 0; c < 3; c++) {
+            const float v = color[2 - c][k] * scale;
+            bad_values += !(v >= 0 && v < INFINITY);
+            rgb[3 * k + c] = v;
+        }
+    }
+    if (l->depth) {
+        memcpy(z, line + 3 * plane + x * sizeof(float), width * sizeof(float));
+        for (uint32_t k = 0; k < width; k++)
+            bad_values += !(z[k] >= 0);
+    }
+    return bad_values == 0;
 }

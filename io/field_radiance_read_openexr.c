@@ -1,5 +1,4 @@
 /* SPDX-License-Identifier: MIT */
-#include "core/half.h"
 #include "io/exr_stream_openexr_internal.h"
 #include "io/field_radiance_internal.h"
 #include "io/tile_runs_internal.h"
@@ -80,51 +79,13 @@ static ncr_status check_shape(radiance_reader *r)
 
 /* ---- Tiles ---- */
 
-/* A row of one colour. */
-static void unpack_color(bool half, uint32_t width, const uint8_t *in, float *out)
-{
-    uint16_t halves[NCR_TILE_SIDE];
-    if (half) {
-        memcpy(halves, in, width * sizeof *halves);
-        ncr_half_to_floats(width, halves, out);
-    } else {
-        memcpy(out, in, width * sizeof *out);
-    }
-}
-
-/* One line of a piece: `line` points at the chunk's line, x is the piece's first column. False when
- * a value is negative or not finite (a distance may be infinite). */
-static bool unpack_line(const radiance_reader *r, const uint8_t *line, uint32_t x, uint32_t width,
-                        float *rgb, float *z)
-{
-    const ncr_radiance_layout *l = &r->layout;
-    const size_t value = l->half ? 2 : 4, plane = l->tile_width * value;
-    float color[3][NCR_TILE_SIDE]; /* B, G, R */
-    unsigned bad_values = 0;
-    for (size_t c = 0; c < 3; c++)
-        unpack_color(l->half, width, line + c * plane + x * value, color[c]);
-    for (uint32_t k = 0; k < width; k++) {
-        for (uint32_t c = 0; c < 3; c++) {
-            const float v = color[2 - c][k] * r->scale;
-            bad_values += !(v >= 0 && v < INFINITY);
-            rgb[3 * k + c] = v;
-        }
-    }
-    if (l->depth) {
-        memcpy(z, line + 3 * plane + x * sizeof(float), width * sizeof(float));
-        for (uint32_t k = 0; k < width; k++)
-            bad_values += !(z[k] >= 0);
-    }
-    return bad_values == 0;
-}
-
 static ncr_status deliver(radiance_reader *r, const uint8_t *pixels, ncr_tile *tile, uint32_t x,
                           float *rgb, float *z)
 {
     for (uint32_t j = 0; j < tile->height; j++) {
         const size_t at = (size_t)j * tile->width;
-        if (!unpack_line(r, pixels + j * r->layout.line_bytes, x, tile->width, rgb + 3 * at,
-                         z + at))
+        if (!ncr_radiance_unpack(&r->layout, r->scale, pixels + j * r->layout.line_bytes,
+                                 r->layout.tile_width, x, tile->width, rgb + 3 * at, z + at))
             return ncr_fail(r->stream.ctx, NCR_E_FORMAT,
                             "%s: point %u, face %u: a value is negative or not finite",
                             r->stream.path, tile->point, tile->face);

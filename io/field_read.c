@@ -63,23 +63,34 @@ static void copy_manifest(const ncr_field_manifest *m, ncr_field *out)
         out->bytes += m->files[k].bytes;
 }
 
-static ncr_status read_parts(const ncr_ctx *ctx, const char *folder, const ncr_field_manifest *m,
-                             bool verify, ncr_field *out)
+/* As a light field has it: four values a texel, and an apron about each face. */
+static uint64_t bytes_in_memory(const ncr_field_manifest *m)
 {
+    const uint64_t side = m->cube + 2, distances = m->depth ? 4 * (uint64_t)m->cube * m->cube : 0;
+    const uint64_t texel = m->format == NCR_TEXEL_HALF ? 8 : 16;
+    return 6 * (uint64_t)m->points * (side * side * texel + distances);
+}
+
+static ncr_status read_parts(const ncr_ctx *ctx, const char *folder, const ncr_field_manifest *m,
+                             bool verify, size_t memory, ncr_field *out)
+{
+    const ncr_field_path radiance = ncr_field_join(folder, "radiance.exr");
     ncr_status status = check_files(ctx, folder, m, verify);
     if (status == NCR_OK)
         status = ncr_field_points_read(ctx, ncr_field_join(folder, "points.ply").text, m->points,
                                        m->patches, &out->points);
     if (status == NCR_OK)
         status = ncr_field_map_read(ctx, folder, m, &out->map);
-    if (status == NCR_OK)
-        status =
-            ncr_radiance_read(ctx, ncr_field_join(folder, "radiance.exr").text, m, &out->light);
+    if (status == NCR_OK && memory && bytes_in_memory(m) > memory)
+        status = ncr_radiance_stream(ctx, radiance.text, m, memory, &out->source, &out->light);
+    else if (status == NCR_OK)
+        status = ncr_radiance_read(ctx, radiance.text, m, &out->light);
     copy_manifest(m, out);
     return status;
 }
 
-static ncr_status read_once(const ncr_ctx *ctx, const char *folder, bool verify, ncr_field *out)
+static ncr_status read_once(const ncr_ctx *ctx, const char *folder, bool verify, size_t memory,
+                            ncr_field *out)
 {
     const ncr_field_path json = ncr_field_join(folder, "field.json");
     ncr_field_manifest manifest;
@@ -87,7 +98,7 @@ static ncr_status read_once(const ncr_ctx *ctx, const char *folder, bool verify,
     ncr_status status = ncr_field_manifest_read(ctx, json.text, &manifest);
     if (status != NCR_OK)
         return status;
-    status = read_parts(ctx, folder, &manifest, verify, out);
+    status = read_parts(ctx, folder, &manifest, verify, memory, out);
     if (status == NCR_OK)
         status = ncr_field_entry_of(ctx, json.text, &entry);
     out->bytes += entry.bytes;
@@ -106,13 +117,19 @@ static ino_t identity(const char *folder)
 
 ncr_status ncr_field_read(const ncr_ctx *ctx, const char *path, bool verify, ncr_field *out)
 {
+    return ncr_field_open(ctx, path, verify, 0, out);
+}
+
+ncr_status ncr_field_open(const ncr_ctx *ctx, const char *path, bool verify, size_t memory,
+                          ncr_field *out)
+{
     *out = (ncr_field){0};
     if (strlen(path) > sizeof(ncr_field_path) - 64)
         return ncr_fail(ctx, NCR_E_ARG, "a field's path has %zu bytes", strlen(path));
     /* A new field may take this one's place between two of its files: then start again. */
     for (int k = 0; k < attempts; k++) {
         const ino_t before = identity(path);
-        const ncr_status status = read_once(ctx, path, verify, out);
+        const ncr_status status = read_once(ctx, path, verify, memory, out);
         if (identity(path) == before)
             return status;
         ncr_field_dispose(ctx, out);
@@ -125,5 +142,6 @@ void ncr_field_dispose(const ncr_ctx *ctx, ncr_field *field)
     ncr_points_dispose(ctx, &field->points);
     ncr_sample_map_dispose(ctx, &field->map);
     ncr_lightfield_destroy(ctx, field->light);
+    ncr_radiance_source_close(ctx, field->source);
     *field = (ncr_field){0};
 }

@@ -4,7 +4,6 @@
 #include "io/field_radiance_internal.h"
 #include "io/tile_runs_internal.h"
 
-#include <dirent.h>
 #include <errno.h>
 #include <fcntl.h>
 #include <math.h>
@@ -12,8 +11,6 @@
 #include <sys/file.h>
 #include <sys/stat.h>
 #include <unistd.h>
-
-static const char radiance_name[] = "radiance.exr", journal_name[] = "tiles.journal";
 
 struct ncr_field_writer {
     ncr_field_path path, partial, radiance_path, journal_path;
@@ -29,75 +26,11 @@ struct ncr_field_writer {
 
 /* ---- Folders ---- */
 
-static bool is_page_name(const char *name)
-{
-    unsigned page = 0;
-    int used = 0;
-    return sscanf(name, "maps-%4u.png%n", &page, &used) == 1 && used && !name[used];
-}
-
-/* Also what an interrupted atomic write left of one. */
-static bool is_field_file(const char *name)
-{
-    static const char *const known[] = {"field.json", "points.ply", "charts.bin", radiance_name,
-                                        journal_name};
-    const char *end = strrchr(name, '.');
-    const bool temporary = end && !strcmp(end, ".tmp");
-    for (int k = 0; k < 5; k++) {
-        const size_t length = strlen(known[k]);
-        if (!strcmp(name, known[k]) || (temporary && !strncmp(name, known[k], length)))
-            return true;
-    }
-    return is_page_name(name) || (temporary && !strncmp(name, "maps-", 5));
-}
-
-/* A folder is ours to replace only if all that lies in it belongs to a field. */
-static ncr_status check_replaceable(const ncr_ctx *ctx, const char *path)
-{
-    struct stat info;
-    if (lstat(path, &info) != 0)
-        return errno == ENOENT
-                   ? NCR_OK
-                   : ncr_fail(ctx, NCR_E_IO, "%s: cannot be reached: %s", path, strerror(errno));
-    DIR *folder = S_ISDIR(info.st_mode) ? opendir(path) : NULL;
-    if (!folder)
-        return ncr_fail(ctx, NCR_E_IO, "%s: is there and is no folder that can be read", path);
-    ncr_status status = NCR_OK;
-    for (struct dirent *e; (e = readdir(folder)) && status == NCR_OK;) {
-        if (strcmp(e->d_name, ".") && strcmp(e->d_name, "..") && !is_field_file(e->d_name))
-            status =
-                ncr_fail(ctx, NCR_E_IO,
-                         "%s: is not replaced: it holds \"%.80s\", which is no part of a field",
-                         path, e->d_name);
-    }
-    closedir(folder);
-    return status;
-}
-
-static void remove_files(const char *path, bool keep_tiles)
-{
-    DIR *folder = opendir(path);
-    if (!folder)
-        return;
-    for (struct dirent *e; (e = readdir(folder));) {
-        const bool tiles = !strcmp(e->d_name, radiance_name) || !strcmp(e->d_name, journal_name);
-        if (is_field_file(e->d_name) && !(keep_tiles && tiles))
-            unlinkat(dirfd(folder), e->d_name, 0);
-    }
-    closedir(folder);
-}
-
-static void remove_field(const char *path)
-{
-    remove_files(path, false);
-    rmdir(path);
-}
-
 /* The lock goes with the process: what a crashed one left is taken over, a running one's is not. */
 static ncr_status open_partial(const ncr_ctx *ctx, ncr_field_writer *w)
 {
     const char *path = w->partial.text;
-    ncr_status status = check_replaceable(ctx, path);
+    ncr_status status = ncr_field_check_replaceable(ctx, path);
     if (status != NCR_OK)
         return status;
     if (mkdir(path, 0777) != 0 && errno != EEXIST)
@@ -123,7 +56,7 @@ static void look_at_partial(ncr_field_writer *w, bool fresh)
               stat(w->radiance_path.text, &info) == 0 &&
               (uint64_t)info.st_size == layout.file_bytes;
     w->resumed.other = kind == NCR_JOURNAL_OTHER;
-    remove_files(w->partial.text, w->keep);
+    ncr_field_remove_files(w->partial.text, w->keep);
 }
 
 static ncr_status set_paths(const ncr_ctx *ctx, const char *path, ncr_field_writer *w)
@@ -136,20 +69,9 @@ static ncr_status set_paths(const ncr_ctx *ctx, const char *path, ncr_field_writ
     memcpy(w->path.text, path, length);
     memcpy(w->partial.text, path, length);
     memcpy(w->partial.text + length, ".partial", 9);
-    w->radiance_path = ncr_field_join(w->partial.text, radiance_name);
-    w->journal_path = ncr_field_join(w->partial.text, journal_name);
-    return check_replaceable(ctx, w->path.text);
-}
-
-static ncr_status sync_parent(const ncr_ctx *ctx, const char *path)
-{
-    ncr_field_path parent;
-    strcpy(parent.text, path);
-    char *slash = strrchr(parent.text, '/');
-    if (!slash)
-        return ncr_folder_sync(ctx, ".");
-    slash[slash == parent.text] = 0;
-    return ncr_folder_sync(ctx, parent.text);
+    w->radiance_path = ncr_field_join(w->partial.text, ncr_radiance_name);
+    w->journal_path = ncr_field_join(w->partial.text, ncr_journal_name);
+    return ncr_field_check_replaceable(ctx, w->path.text);
 }
 
 /* ---- What field.json will say ---- */
@@ -259,7 +181,7 @@ void ncr_field_writer_abandon(const ncr_ctx *ctx, ncr_field_writer *writer)
     if (!writer)
         return;
     if (writer->folder >= 0)
-        remove_field(writer->partial.text);
+        ncr_field_discard(writer->partial.text);
     release(ctx, writer);
 }
 
@@ -304,7 +226,7 @@ static ncr_status begin_radiance(const ncr_ctx *ctx, ncr_field_writer *w)
     status = ncr_journal_create(ctx, w->journal_path.text, w->fingerprint, &f->journal);
     if (status == NCR_OK)
         status = ncr_folder_sync(ctx, w->partial.text);
-    return status == NCR_OK ? sync_parent(ctx, w->partial.text) : status;
+    return status == NCR_OK ? ncr_field_sync_parent(ctx, w->partial.text) : status;
 }
 
 static ncr_status begin(const ncr_ctx *ctx, const char *path, const ncr_field_info *info,
@@ -381,14 +303,14 @@ static ncr_status put_in_place(const ncr_ctx *ctx, const ncr_field_writer *w)
     const unsigned flags = replaces ? RENAME_EXCHANGE : RENAME_NOREPLACE;
     if (renameat2(AT_FDCWD, from, AT_FDCWD, to, flags) != 0)
         return ncr_fail(ctx, NCR_E_IO, "%s: cannot be put in place: %s", to, strerror(errno));
-    const ncr_status status = sync_parent(ctx, to);
+    const ncr_status status = ncr_field_sync_parent(ctx, to);
     if (status != NCR_OK) {
         renameat2(AT_FDCWD, to, AT_FDCWD, from, flags);
         return status;
     }
     if (replaces)
-        remove_field(from);               /* it is the earlier field now */
-    unlinkat(w->folder, journal_name, 0); /* of the new one; only now is it of no more use */
+        ncr_field_discard(from);              /* it is the earlier field now */
+    unlinkat(w->folder, ncr_journal_name, 0); /* of the new one; only now is it of no more use */
     return NCR_OK;
 }
 
@@ -408,7 +330,7 @@ static ncr_status complete(const ncr_ctx *ctx, ncr_field_writer *w, uint64_t *by
     if (status == NCR_OK)
         status = ncr_folder_sync(ctx, w->partial.text);
     if (status == NCR_OK)
-        status = check_replaceable(ctx, w->path.text);
+        status = ncr_field_check_replaceable(ctx, w->path.text);
     if (status == NCR_OK)
         status = put_in_place(ctx, w);
     *bytes = entry.bytes;

@@ -95,6 +95,18 @@ expect 0 "RMSE  L\* 0.0000" compare "$work/trace.exr" "$work/trace.exr" --max-rm
 expect 1 "RMSE" compare "$work/trace.exr" "$work/envmap.exr" --mask "$work/mask.png" --max-rmse 0.001
 expect 2 "field" render $scene --preset quick --method angle -o "$work/a.png"
 
+# A field larger than the memory allowed gives the same bytes.
+expect 0 "light from the file" render $scene --preset quick --field "$work/s.field" --method cosine-n:4 \
+    --memory 1000000 --object-only --json -o "$work/streamed.exr"
+cp "$work/out" "$work/streamed.json"
+member "$work/streamed.json" cache.bytes cache.faces cache.hits cache.misses cache.bytes_read
+expect 0 "pixels" render $scene --preset quick --field "$work/s.field" --method cosine-n:4 \
+    --object-only -o "$work/whole.exr"
+cmp "$work/streamed.exr" "$work/whole.exr" || failures=$((failures + 1))
+jq -e '.cache.bytes <= 1000000 and .cache.misses > 0' "$work/streamed.json" >/dev/null || failures=$((failures + 1))
+expect 5 "bytes of memory are too few" render $scene --preset quick --field "$work/s.field" \
+    --method cosine-n:4 --memory 1000 -o "$work/a.png"
+
 # A damaged field is noticed.
 cp -r "$work/s.field" "$work/t.field"
 printf 'x' | dd of="$work/t.field/charts.bin" bs=1 seek=9 conv=notrunc status=none
