@@ -167,14 +167,46 @@ typedef struct inside_job {
     uint8_t *inside;
 } inside_job;
 
+enum { packet = 16 }; /* rays that cost little more than one */
+
+static void point_at(const ncr_candidates *points, size_t k, double p[3])
+{
+    p[0] = points->x[k];
+    p[1] = points->y[k];
+    p[2] = points->z[k];
+}
+
+/* Which of the `count` points before point k sees it, the latest first; k when none does. */
+static size_t point_that_sees(const inside_job *job, size_t k, size_t count)
+{
+    static const double no_lift[3];
+    ncr_segments back;
+    double p[3], q[3];
+    size_t s = 0;
+    back.count = 0;
+    point_at(job->points, k, p);
+    for (size_t j = k; j > k - count; j--) {
+        point_at(job->points, j - 1, q);
+        ncr_segments_add(&back, 0, p, q, no_lift);
+    }
+    ncr_segments_trace(job->scene, &back);
+    while (s < count && back.blocked[s])
+        s++;
+    return s < count ? k - 1 - s : k;
+}
+
+/* Nothing lies between points that see each other: what holds for one holds for the other. Mostly
+ * the points just before will do; the rest takes the exact test, which costs as much as hundreds
+ * of rays. */
 static void flag_inside(size_t begin, size_t end, unsigned worker, void *arg)
 {
     const inside_job *job = arg;
-    const ncr_candidates *at = job->points;
     (void)worker;
     for (size_t k = begin; k < end; k++) {
-        const double p[3] = {at->x[k], at->y[k], at->z[k]};
-        job->inside[k] = ncr_scene_inside(job->scene, p) != NCR_NONE;
+        const size_t from = point_that_sees(job, k, k - begin < packet ? k - begin : packet);
+        double p[3];
+        point_at(job->points, k, p);
+        job->inside[k] = from < k ? job->inside[from] : ncr_scene_inside(job->scene, p) != NCR_NONE;
     }
 }
 
@@ -195,7 +227,7 @@ static ncr_status run(const ncr_ctx *ctx, map_job *job, ncr_coverage *coverage,
     if (inside && job->scratch && job->tally && map->index) {
         inside_job flags = {job->sight.scene, job->sight.points, inside};
         memset(map->index, 0xff, texels * 4 * sizeof *map->index);
-        status = job->rays ? ncr_parallel_for(ctx, points, 16, flag_inside, &flags) : NCR_OK;
+        status = job->rays ? ncr_parallel_for(ctx, points, 64, flag_inside, &flags) : NCR_OK;
         if (status == NCR_OK)
             status = ncr_parallel_for(ctx, blocks, 1, map_blocks, job);
     }

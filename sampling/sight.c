@@ -40,42 +40,33 @@ static bool has_normal(const ncr_texel_tile *tile, uint32_t k)
     return tile->n[0][k] != 0 || tile->n[1][k] != 0 || tile->n[2][k] != 0;
 }
 
-static void texel_at(const ncr_texel_tile *tile, uint32_t k, double x[3], double n[3])
-{
-    for (int c = 0; c < 3; c++) {
-        x[c] = tile->x[c][k];
-        n[c] = tile->n[c][k];
-    }
-}
-
 static void count_texel(uint64_t four, ncr_coverage *coverage)
 {
     coverage->short_of_four += index_of(four, stored - 1) == NCR_NO_POINT;
     coverage->uncovered += index_of(four, 0) == NCR_NO_POINT;
 }
 
-static void add_segment(const ncr_sight *sight, const ncr_texel_tile *tile, uint32_t texel,
-                        uint16_t point, ncr_sight_scratch *scratch)
+/* Trace the first `count` segments of the scratch's list. */
+static void trace(const ncr_sight *sight, const ncr_texel_tile *tile, size_t count,
+                  ncr_sight_scratch *scratch)
 {
-    const ncr_candidates *all = sight->points;
-    const double p[3] = {all->x[point], all->y[point], all->z[point]};
-    double x[3], n[3];
-    texel_at(tile, texel, x, n);
-    scratch->texel[scratch->segments.count] = (uint16_t)texel;
-    scratch->point[scratch->segments.count] = point;
-    ncr_segments_add(&scratch->segments, sight->lift, p, x, n);
+    ncr_tile_kernel_best()->aim(tile, sight->points, sight->lift, count, scratch->texel,
+                                scratch->point, &scratch->segments);
+    ncr_segments_trace(sight->scene, &scratch->segments);
 }
 
 /* The stored segments, slot by slot: neighbours in the batch mostly share a point. */
 static void trace_stored(const ncr_sight *sight, const ncr_texel_tile *tile, const uint64_t *four,
                          ncr_sight_scratch *scratch)
 {
-    scratch->segments.count = 0;
+    size_t count = 0;
     for (unsigned slot = 0; slot < stored; slot++)
-        for (uint32_t k = 0; k < tile->side * tile->side; k++)
-            if (index_of(four[k], slot) != NCR_NO_POINT)
-                add_segment(sight, tile, k, index_of(four[k], slot), scratch);
-    ncr_segments_trace(sight->scene, &scratch->segments);
+        for (uint32_t k = 0; k < tile->side * tile->side; k++) {
+            scratch->texel[count] = (uint16_t)k;
+            scratch->point[count] = index_of(four[k], slot);
+            count += index_of(four[k], slot) != NCR_NO_POINT;
+        }
+    trace(sight, tile, count, scratch);
 }
 
 static double distance2(const ncr_sight *sight, const ncr_texel_tile *tile, uint32_t k,
@@ -126,9 +117,11 @@ static void collect_free(const ncr_sight_scratch *scratch, walker *walkers)
     }
 }
 
-/* One segment for each of the `slot`-th points that texels still lack. */
-static void add_wanted(const ncr_sight *sight, const ncr_texel_tile *tile, unsigned slot,
-                       walker *walkers, ncr_sight_scratch *scratch, ncr_tile_tally *tally)
+/* One segment for each of the `slot`-th points that texels still lack; returns how many there are
+ * with these. */
+static size_t add_wanted(const ncr_sight *sight, const ncr_texel_tile *tile, unsigned slot,
+                         size_t count, walker *walkers, ncr_sight_scratch *scratch,
+                         ncr_tile_tally *tally)
 {
     for (uint32_t k = 0; k < tile->side * tile->side; k++) {
         walker *w = &walkers[k];
@@ -138,9 +131,12 @@ static void add_wanted(const ncr_sight *sight, const ncr_texel_tile *tile, unsig
             refill(sight, tile, k, &scratch->seen, w);
             tally->stats.candidates += scratch->seen.count;
         }
-        if (w->tried < w->queued)
-            add_segment(sight, tile, k, w->queue[w->tried++], scratch);
+        if (w->tried < w->queued) {
+            scratch->texel[count] = (uint16_t)k;
+            scratch->point[count++] = w->queue[w->tried++];
+        }
     }
+    return count;
 }
 
 /* In rounds, each texel tries as many more points as it lacks, until none lacks any or none is
@@ -150,10 +146,10 @@ static void walk_on(const ncr_sight *sight, const ncr_texel_tile *tile, const nc
 {
     ncr_candidates_select(sight->points, bound, sight->horizon, 0, &scratch->seen);
     do {
-        scratch->segments.count = 0;
+        size_t count = 0;
         for (unsigned slot = 0; slot < stored; slot++)
-            add_wanted(sight, tile, slot, walkers, scratch, tally);
-        ncr_segments_trace(sight->scene, &scratch->segments);
+            count = add_wanted(sight, tile, slot, count, walkers, scratch, tally);
+        trace(sight, tile, count, scratch);
         tally->stats.rays += scratch->segments.count;
         collect_free(scratch, walkers);
     } while (scratch->segments.count > 0);

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT
  * tile_kernel.c - the definition of the loops over a tile's texels, and the choice among sets. */
 #include "core/cpu_internal.h"
+#include "sampling/tile_aim_loops.inc"
 #include "sampling/tile_bound_loops.inc"
 #include "sampling/tile_eval_loops.inc"
 
@@ -40,6 +41,7 @@ const ncr_tile_kernel ncr_tile_kernel_generic = {
     .stand = stand_points,
     .nearest = nearest_tile,
     .distances = texel_distances,
+    .aim = aim_segments,
 };
 
 const ncr_tile_kernel *ncr_tile_kernel_best(void)

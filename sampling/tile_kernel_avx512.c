@@ -1,4 +1,5 @@
 /* SPDX-License-Identifier: MIT */
+#include "sampling/tile_aim_loops.inc"
 #include "sampling/tile_bound_loops.inc"
 #include "sampling/tile_eval_loops.inc"
 
@@ -83,4 +84,5 @@ const ncr_tile_kernel ncr_tile_kernel_avx512 = {
     .stand = stand_points,
     .nearest = nearest_tile,
     .distances = texel_distances,
+    .aim = aim_segments,
 };

@@ -7,6 +7,7 @@
 #define NCR_SAMPLING_TILE_KERNEL_INTERNAL_H
 
 #include "sampling/candidates_internal.h"
+#include "sampling/visibility_internal.h"
 
 typedef struct ncr_tile_kernel {
     /* Texels of a tile. doubtful[k] is set where the tangents are too short or too parallel for
@@ -30,6 +31,11 @@ typedef struct ncr_tile_kernel {
     /* d2[c] = squared distance of texel k to each candidate, infinite below its horizon. */
     void (*distances)(const ncr_texel_tile *tile, uint32_t k, const ncr_candidates *candidates,
                       double cos2, double *d2);
+
+    /* Segments from point[s] to texel[s] for s < count <= NCR_SEGMENT_ROOM, as ncr_segments_add
+     * would make them one by one. */
+    void (*aim)(const ncr_texel_tile *tile, const ncr_candidates *points, double lift, size_t count,
+                const uint16_t *texel, const uint16_t *point, ncr_segments *out);
 } ncr_tile_kernel;
 
 extern const ncr_tile_kernel ncr_tile_kernel_generic, ncr_tile_kernel_avx2, ncr_tile_kernel_avx512;

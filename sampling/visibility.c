@@ -24,7 +24,6 @@ void ncr_segments_add(ncr_segments *s, double lift, const double p[3], const dou
         s->o[c][s->count] = (float)p[c];
         s->d[c][s->count] = (float)to[c];
     }
-    s->tmin[s->count] = 0;
     s->tmax[s->count] = 1;
     s->count++;
 }
@@ -37,7 +36,6 @@ void ncr_segments_trace(const ncr_scene *scene, ncr_segments *s)
                            .dx = s->d[0],
                            .dy = s->d[1],
                            .dz = s->d[2],
-                           .tmin = s->tmin,
                            .tmax = s->tmax,
                            .coherent = true};
     ncr_scene_occluded(scene, s->count, &rays, s->blocked);

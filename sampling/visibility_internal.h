@@ -21,7 +21,7 @@ void ncr_visibility_lifted(const double x[3], const double n[3], double lift, do
 typedef struct ncr_segments {
     size_t count;
     float o[3][NCR_SEGMENT_ROOM], d[3][NCR_SEGMENT_ROOM];
-    float tmin[NCR_SEGMENT_ROOM], tmax[NCR_SEGMENT_ROOM];
+    float tmax[NCR_SEGMENT_ROOM];
     uint8_t blocked[NCR_SEGMENT_ROOM];
 } ncr_segments;
 

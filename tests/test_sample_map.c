@@ -406,6 +406,12 @@ static void compare_kernels(const ncr_tile_kernel *a, const ncr_tile_kernel *b,
     uint8_t doubtful[2][NCR_MAP_TILE_TEXELS] = {0};
     ncr_tile_bound bound[2];
     uint64_t four[2][NCR_MAP_TILE_TEXELS];
+    static ncr_segments segments[2];
+    uint16_t of[NCR_MAP_TILE_TEXELS], to[NCR_MAP_TILE_TEXELS];
+    for (uint32_t s = 0; s < side * side; s++) {
+        of[s] = (uint16_t)(side * side - 1 - s);
+        to[s] = (uint16_t)(7 * s % points->count);
+    }
     const ncr_horizon horizon = ncr_horizon_of(85);
     double *d = calloc(6 * points->count, sizeof *d);
     ncr_patch_net net;
@@ -419,12 +425,17 @@ static void compare_kernels(const ncr_tile_kernel *a, const ncr_tile_kernel *b,
         set->stand(points, &bound[k], horizon, at, at + points->count);
         set->distances(&tile[k], 0, points, horizon.cos2, at + 2 * points->count);
         set->nearest(&tile[k], points, horizon.cos2, four[k]);
+        set->aim(&tile[k], points, 0.01, side * side, of, to, &segments[k]);
     }
     assert_memory_equal(&tile[0], &tile[1], sizeof tile[0]);
     assert_memory_equal(doubtful[0], doubtful[1], sizeof doubtful[0]);
     assert_memory_equal(&bound[0], &bound[1], sizeof bound[0]);
     assert_memory_equal(d, d + 3 * points->count, 3 * points->count * sizeof *d);
     assert_memory_equal(four[0], four[1], (size_t)side * side * sizeof four[0][0]);
+    for (int c = 0; c < 3; c++) {
+        assert_memory_equal(segments[0].o[c], segments[1].o[c], side * side * sizeof(float));
+        assert_memory_equal(segments[0].d[c], segments[1].d[c], side * side * sizeof(float));
+    }
     free(d);
 }
 
