@@ -121,7 +121,8 @@ static void seen_from_within_normals_point_inward(void **state)
     CHECK_STATUS(NCR_OK, ncr_gbuffer_fill(NULL, w.scene, &inside, NULL, &g, NULL));
     for (uint32_t k = 0; k < 32 * 32; k++) {
         assert_int_equal(g.object[k], 0);
-        assert_true(g.nx[k] * g.px[k] + g.ny[k] * g.py[k] + g.nz[k] * g.pz[k] < 0);
+        const ncr_vec3 out = v_unit(v_make(g.px[k], g.py[k], g.pz[k]));
+        assert_true(v_dot(out, v_make(g.nx[k], g.ny[k], g.nz[k])) < -0.99f);
     }
     ncr_gbuffer_dispose(NULL, &g);
     world_dispose(&w);

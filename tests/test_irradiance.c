@@ -243,27 +243,35 @@ static void patches_agree_on_their_borders(void **state)
     world_dispose(&w);
 }
 
-/* A long patch beside a short one: the node counts of a row of patches follow the longest. */
+static void bilinear_net(const double corners[4][2], double net[16][3])
+{
+    for (int k = 0; k < 16; k++) {
+        const double u = k % 4 / 3.0, v = k / 4 / 3.0;
+        for (int c = 0; c < 2; c++)
+            net[k][c] = (1 - v) * ((1 - u) * corners[0][c] + u * corners[1][c]) +
+                        v * ((1 - u) * corners[2][c] + u * corners[3][c]);
+        net[k][2] = 0;
+    }
+}
+
+/* A square beside a fan whose far edge is five times as long: the fan wants more nodes, and both
+ * must have them on the edge they share. */
 static void neighbours_of_unlike_size_agree_too(void **state)
 {
     (void)state;
-    static const double corners[3][3] = {{0, 0, 0}, {1, 0, 0}, {1, 1, 0}};
-    static const double us[3][3] = {{1, 0, 0}, {3, 0, 0}, {3, 0, 0}};
-    static const double vs[3][3] = {{0, 1, 0}, {0, 1, 0}, {0, 4, 0}};
-    double nets[3][16][3];
-    for (int k = 0; k < 3; k++)
-        ncr_shape_quad(corners[k], us[k], vs[k], &nets[k]);
+    static const double square[4][2] = {{0, 0}, {1, 0}, {0, 1}, {1, 1}};
+    static const double fan[4][2] = {{1, 0}, {2, -2}, {1, 1}, {2, 3}};
+    double nets[2][16][3];
+    bilinear_net(fan, nets[0]);
+    bilinear_net(square, nets[1]);
     test_world w = {0};
-    const uint32_t sheet = world_add(&w, 3, nets, false, true, world_grey(0.5f));
-    const double centre[3] = {1.2, 0.9, 0.5}, a[3] = {0.5, 0, 0}, b[3] = {0, 0.5, 0};
+    const uint32_t sheet = world_add(&w, 2, nets, false, true, world_grey(0.5f));
+    const double centre[3] = {1, 0.4, 0.3}, a[3] = {0.2, 0, 0}, b[3] = {0, 0.2, 0};
     world_add_quad(&w, centre, a, b, world_grey(0.2f));
     world_close(&w, &sunny);
     world_light(&w, NCR_OPTS(ncr_irradiance_opts, .spacing = 0.3, .rays = 64, .bounces = 1));
-    for (int i = 0; i <= 60; i++) {
-        const double s = i / 60.0;
-        CHECK_NEAR(at(&w, sheet, 0, 1, s), at(&w, sheet, 1, 0, s), 1e-6);
-        CHECK_NEAR(at(&w, sheet, 1, s, 1), at(&w, sheet, 2, s, 0), 1e-6);
-    }
+    for (int i = 0; i <= 60; i++)
+        CHECK_NEAR(at(&w, sheet, 0, 0, i / 60.0), at(&w, sheet, 1, 1, i / 60.0), 1e-6);
     world_dispose(&w);
 }
 
@@ -285,8 +293,8 @@ static void nodes_inside_a_solid_take_their_neighbours_light(void **state)
                                                         .rays = 256, .bounces = 1),
                                                &w.irradiance, &stats));
     assert_true(stats.buried >= 9);
-    for (int k = 0; k <= 20; k++) /* along the foot of the post: half the sky or more is free */
-        assert_true(at(&w, floor, 0, 0.5 + 0.31 / 2, 0.35 + 0.3 * k / 20) > 0.5 * pi);
+    for (int k = 0; k <= 20; k++) /* along the foot of the post; with the dark mixed in, 0.56 */
+        assert_true(at(&w, floor, 0, 0.5 + 0.31 / 2, 0.35 + 0.3 * k / 20) > 0.62 * pi);
     world_dispose(&w);
 }
 
@@ -303,7 +311,7 @@ static void dark_of_a_gap_does_not_leak_out(void **state)
     world_close(&w, &world_even_sky);
     world_light(&w, NCR_OPTS(ncr_irradiance_opts, .spacing = 0.18, .rays = 256));
     for (int k = 0; k <= 20; k++)
-        assert_true(at(&w, floor, 0, 0.5 + 0.31 / 2, 0.35 + 0.3 * k / 20) > 0.5 * pi);
+        assert_true(at(&w, floor, 0, 0.5 + 0.31 / 2, 0.35 + 0.3 * k / 20) > 0.62 * pi);
     world_dispose(&w);
 }
 

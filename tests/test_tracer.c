@@ -84,6 +84,34 @@ static void penumbra_follows_the_area_of_the_cut_disc(void **state)
     world_dispose(&w);
 }
 
+/* Directions around the rim of the disc, a hundredth of its radius inside and outside. */
+static void rays_see_the_suns_disc_to_its_rim(void **state)
+{
+    (void)state;
+    const ncr_sky sky = {.sun_direction = {1, 2, 2}, .sun_irradiance = {3, 3, 3}};
+    const double radius = 0.2666 * pi / 180, sun[3] = {1 / 3.0, 2 / 3.0, 2 / 3.0};
+    const double eye[3] = {0, 0, 1}, across[2][3] = {{0, sqrt(0.5), -sqrt(0.5)},
+                                                     {-4 / sqrt(18), 1 / sqrt(18), 1 / sqrt(18)}};
+    test_world w = {0};
+    world_add_floor(&w, 1, 0, false, world_grey(0));
+    world_close(&w, &sky);
+    world_light(&w, &coarse);
+    const ncr_tracer tracer = world_tracer(&w);
+    const double disc = 3 / (pi * sin(radius) * sin(radius));
+    for (int k = 0; k < 64; k++) {
+        const double a = 2 * pi * k / 64;
+        for (int outside = 0; outside < 2; outside++) {
+            const double r = tan(radius * (outside ? 1.01 : 0.99));
+            double d[3];
+            d_mad(sun, r * cos(a), across[0], d);
+            d_mad(d, r * sin(a), across[1], d);
+            CHECK_NEAR((double)look(&w, &tracer, eye, d, NULL, NULL).x, outside ? 0 : disc,
+                       1e-5 * disc);
+        }
+    }
+    world_dispose(&w);
+}
+
 static void each_side_of_a_sheet_has_its_own_sun(void **state)
 {
     (void)state;
@@ -368,6 +396,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(sunlit_plane_has_its_lambert_radiance),
         cmocka_unit_test(penumbra_follows_the_area_of_the_cut_disc),
+        cmocka_unit_test(rays_see_the_suns_disc_to_its_rim),
         cmocka_unit_test(each_side_of_a_sheet_has_its_own_sun),
         cmocka_unit_test(lamps_shine_from_their_front_alone),
         cmocka_unit_test(white_and_mirror_spheres_vanish_in_an_even_sky),
