@@ -212,6 +212,32 @@ static void a_border_replaces_the_neighbours(void **state)
     }
 }
 
+static void height(const double d[3], void *user, float *out)
+{
+    (void)user;
+    out[0] = out[1] = out[2] = (float)d[2];
+}
+
+/* z is odd across the rim: the half that comes in must be asked where the direction lies on it, not
+ * at the mirrored place. */
+static void the_halves_of_the_paraboloid_show_the_same_near_their_rim(void **state)
+{
+    (void)state;
+    ncr_directional_map map = make_map(NCR_MAP_PARABOLOID, 64);
+    CHECK_STATUS(NCR_OK, ncr_directional_map_fill(&quiet, &map, 0.01, height, NULL));
+    check_random r = {.seed = 29};
+    for (int k = 0; k < 5000; k++) {
+        double d[3];
+        float got[3];
+        random_direction(&r, d);
+        d[2] *= 0.1;
+        const double length = sqrt(d[0] * d[0] + d[1] * d[1] + d[2] * d[2]);
+        ncr_directional_map_look_up(&map, d, got);
+        CHECK_NEAR((double)got[0], d[2] / length, 0.003);
+    }
+    ncr_directional_map_dispose(&quiet, &map);
+}
+
 static void a_filled_map_has_the_integral_of_its_function(void **state)
 {
     (void)state;
@@ -493,6 +519,7 @@ int main(void)
         cmocka_unit_test(a_linear_function_is_exact_within_a_face),
         cmocka_unit_test(a_cube_corner_is_the_mean_of_three_texels),
         cmocka_unit_test(a_border_replaces_the_neighbours),
+        cmocka_unit_test(the_halves_of_the_paraboloid_show_the_same_near_their_rim),
         cmocka_unit_test(a_filled_map_has_the_integral_of_its_function),
         cmocka_unit_test(conversion_keeps_a_smooth_function_and_its_energy),
         cmocka_unit_test(a_sun_keeps_its_energy),

@@ -204,6 +204,25 @@ static void a_solid_angle_is_the_integral_of_the_density(void **state)
     }
 }
 
+/* Rectangles whose corners lie on the rim, give or take a rounding: neither a whole turn too much nor
+ * a corner too little. The paraboloid's own antiderivative of 4/(1+x^2+y^2)^2 says how much. */
+static void corners_on_the_rim_are_no_trap(void **state)
+{
+    (void)state;
+    static const double triple[][3] = {
+        {3, 4, 5}, {5, 12, 13}, {8, 15, 17}, {20, 21, 29}, {7, 24, 25}};
+    for (int k = 0; k < 5 * 9; k++) {
+        double a = triple[k / 9][0] / triple[k / 9][2], b = triple[k / 9][1] / triple[k / 9][2];
+        a = nextafter(a, k % 3 - 1);
+        b = nextafter(b, k / 3 % 3 - 1);
+        const double ra = sqrt(1 + a * a), rb = sqrt(1 + b * b);
+        const double want = 8 * (a / ra * atan(b / ra) + b / rb * atan(a / rb));
+        CHECK_NEAR(ncr_map_solid_angle(NCR_MAP_PARABOLOID, -a, a, -b, b), want, 1e-14);
+        CHECK_NEAR(ncr_map_solid_angle(NCR_MAP_SPHERE, -a, a, -b, b), 16 * a * b, 1e-14);
+        CHECK_NEAR(ncr_map_solid_angle(NCR_MAP_SPHERE, a, 1, b, 1), 0, 1e-14);
+    }
+}
+
 static void cube_faces_and_texels_have_their_known_solid_angles(void **state)
 {
     (void)state;
@@ -317,6 +336,7 @@ int main(void)
         cmocka_unit_test(texels_sum_to_four_pi),
         cmocka_unit_test(a_rectangle_is_the_sum_of_its_pieces),
         cmocka_unit_test(a_solid_angle_is_the_integral_of_the_density),
+        cmocka_unit_test(corners_on_the_rim_are_no_trap),
         cmocka_unit_test(cube_faces_and_texels_have_their_known_solid_angles),
         cmocka_unit_test(stretches_are_those_of_the_derivative),
         cmocka_unit_test(sampling_rates_have_their_closed_forms),
