@@ -144,14 +144,12 @@ static double edge_integral(ncr_map_kind kind, double off, double a, double b)
     return 2 * off / r * atan2(r * (b - a), r * r + a * b);
 }
 
-/* Along the rim from a to b, counter-clockwise. Two crossings that rounding has exchanged are one
- * place, not a whole turn. */
+/* Along the rim from a to b, counter-clockwise. Where a corner all but touches the rim the two are
+ * in order still: each is cut by the edge that it lies on, and rounding keeps products in order. */
 static double rim_integral(ncr_map_kind kind, point a, point b)
 {
-    static const double same_place = 1e-9;
     const double turn = atan2(a.x * b.y - a.y * b.x, a.x * b.x + a.y * b.y);
-    const double ahead = turn < -same_place ? turn + 2 * pi : fmax(turn, 0);
-    return (kind == NCR_MAP_SPHERE ? 2 : 1) * ahead;
+    return (kind == NCR_MAP_SPHERE ? 2 : 1) * (turn < 0 ? turn + 2 * pi : turn);
 }
 
 /* The part of edge k that lies in the disc, walking counter-clockwise from the lower left; false

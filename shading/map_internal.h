@@ -1,0 +1,23 @@
+/* SPDX-License-Identifier: MIT
+ * map_internal.h - where bilinear look-up in a directional map takes its texels. */
+#ifndef NCR_SHADING_MAP_INTERNAL_H
+#define NCR_SHADING_MAP_INTERNAL_H
+
+#include "shading/directional_map.h"
+
+#include <math.h>
+
+typedef struct ncr_map_tap {
+    int32_t x, y; /* of the upper left of four texels */
+    float fx, fy; /* how far towards the right and the lower */
+} ncr_map_tap;
+
+static inline ncr_map_tap ncr_map_tap_at(const ncr_directional_map *map, double s, double t)
+{
+    const double x = 0.5 * (s + 1) * ncr_map_part_width(map->kind, map->size) - 0.5;
+    const double y = 0.5 * (t + 1) * map->size - 0.5;
+    const double fx = floor(x), fy = floor(y);
+    return (ncr_map_tap){(int32_t)fx, (int32_t)fy, (float)(x - fx), (float)(y - fy)};
+}
+
+#endif
