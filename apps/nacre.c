@@ -19,6 +19,7 @@ static const struct {
     {"report", verb_report, "error against run time of every method, as a page"},
     {"info", verb_info, "say what a scene, field, image or patch file holds"},
     {"bench", verb_bench, "race nacre against the limit of this machine and its peers"},
+    {"check", verb_check, "measure the hazards of arithmetic against their bounds"},
 };
 enum { verb_count = sizeof verbs / sizeof verbs[0] };
 

@@ -9,5 +9,6 @@ int verb_compare(int argc, char **argv);
 int verb_report(int argc, char **argv);
 int verb_info(int argc, char **argv);
 int verb_bench(int argc, char **argv);
+int verb_check(int argc, char **argv);
 
 #endif

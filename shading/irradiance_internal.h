@@ -21,7 +21,7 @@ typedef struct node_layout {
     ncr_vec3 *place;  /* [site_count] frame units, on the surface */
     ncr_vec3 *normal; /* [site_count] */
     uint32_t *owner;  /* [site_count] object */
-    uint64_t *key;    /* [site_count] hash of the place */
+    uint64_t *key;    /* [site_count] hash of its first node */
 } node_layout;
 
 /* What shading wants to know of an object at once. */

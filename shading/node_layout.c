@@ -86,7 +86,8 @@ static uint32_t nodes_on_line(const ncr_surface *surface, uint32_t patch, int ax
         last = p;
         memcpy(last_n, n, sizeof n);
     }
-    const double steps = ceil(fmax(length / spacing, turn / turn_max));
+    /* A whole number of steps is that many in a scene of any size, rounding or not. */
+    const double steps = ceil((1 - 1e-6) * fmax(length / spacing, turn / turn_max));
     return steps < 1 ? 2 : steps < side_max - 1 ? (uint32_t)steps + 1 : side_max;
 }
 
@@ -154,7 +155,7 @@ typedef struct border_node {
     int64_t at[3];
     ncr_vec3 normal;
     ncr_vec3 inset; /* the place moved into the patch */
-    uint32_t node;
+    uint32_t node, patch, i, j;
 } border_node;
 
 static int compare_border(const void *a, const void *b)
@@ -177,9 +178,11 @@ static void place_node(const ncr_surface *surface, uint32_t patch, double u, dou
     ncr_surface_normal(surface, patch, u, v, out->n);
 }
 
-static uint64_t hash_place(const int64_t at[3])
+/* What a site draws its rays by: its first node. Its place would be another in a scene of another
+ * size, and a number that runs over all patches would follow from what rounding does elsewhere. */
+static uint64_t node_key(uint32_t object, uint32_t patch, uint32_t i, uint32_t j)
 {
-    return ncr_hash64((uint64_t)at[0], ncr_hash64((uint64_t)at[1], (uint64_t)at[2]));
+    return ncr_hash64((uint64_t)patch << 32 | j << 16 | i, object);
 }
 
 static uint32_t add_site(node_layout *l, uint32_t object, ncr_vec3 place, ncr_vec3 normal,
@@ -215,6 +218,9 @@ static void make_border_node(const ncr_surface *surface, uint32_t patch, const n
     out->normal = d_to_v(here.n);
     out->inset = d_to_v(in.p);
     out->node = g->first + j * g->nu + i;
+    out->patch = patch;
+    out->i = i;
+    out->j = j;
 }
 
 /* Nodes of one place: one site for each different normal. Inside a smooth surface the steps into
@@ -243,7 +249,7 @@ static void join_run(node_layout *l, uint32_t object, const border_node *run, si
         const ncr_vec3 mean = v_scale(sum, 1.0f / members);
         const bool inside = v_length(mean) < 0.5f * longest;
         add_site(l, object, inside ? exact : v_add(exact, mean), run[k].normal,
-                 hash_place(run[k].at));
+                 node_key(object, run[k].patch, run[k].i, run[k].j));
     }
 }
 
@@ -286,11 +292,9 @@ static ncr_status make_sites(const ncr_ctx *ctx, const ncr_surface *surface, uin
                     continue;
                 }
                 node_place here;
-                int64_t at[3];
                 place_node(surface, p, i / (double)(g->nu - 1), j / (double)(g->nv - 1), &here);
-                to_lattice(here.p, at);
                 l->site[g->first + j * g->nu + i] =
-                    add_site(l, object, d_to_v(here.p), d_to_v(here.n), hash_place(at));
+                    add_site(l, object, d_to_v(here.p), d_to_v(here.n), node_key(object, p, i, j));
             }
     qsort(border, count, sizeof *border, compare_border);
     for (size_t k = 0, end; k < count; k = end) {

@@ -39,6 +39,7 @@ expect 2 "unknown option --pionts; did you mean --points" bake $scene -o "$work/
 expect 2 "SCENE is missing" bake
 expect 2 "-o FIELD is missing" bake $scene
 expect 2 "one word too many" info a b
+expect 2 "no check is called tise; did you mean ties" check tise
 expect 2 "--points x: expected a whole number" bake $scene -o "$work/f" --points x
 expect 2 "--size 3: expected a size" render $scene --method trace -o "$work/a.png" --size 3
 expect 2 "did you mean .cosine-" render $scene --method cosine-m:4 -o "$work/a.png"
@@ -47,7 +48,7 @@ expect 2 "exclude each other" bake $scene -o "$work/f" --half --float
 expect 2 "--object|no such object" bake $scene -o "$work/f" --object nothing
 expect 2 "camera" render $scene --method trace --camera nowhere -o "$work/a.png"
 expect 2 "preset" bake $scene -o "$work/f" --preset quik
-for verb in bake render compare report info; do
+for verb in bake render compare report info check; do
     "$nacre" $verb --help | grep -q "^example:" || { echo "$verb --help" >&2; failures=$((failures + 1)); }
 done
 
@@ -106,6 +107,11 @@ cmp "$work/streamed.exr" "$work/whole.exr" || failures=$((failures + 1))
 jq -e '.cache.bytes <= 1000000 and .cache.misses > 0' "$work/streamed.json" >/dev/null || failures=$((failures + 1))
 expect 5 "bytes of memory are too few" render $scene --preset quick --field "$work/s.field" \
     --method cosine-n:4 --memory 1000 -o "$work/a.png"
+
+# Checks.
+expect 0 "0 failed" check cielab weights --json
+member "$work/out" schema measured failed rows
+expect 0 "curvature" check curvature --scene $scene --threads 2
 
 # A damaged field is noticed.
 cp -r "$work/s.field" "$work/t.field"
