@@ -233,7 +233,7 @@ static void the_halves_of_the_paraboloid_show_the_same_near_their_rim(void **sta
         d[2] *= 0.1;
         const double length = sqrt(d[0] * d[0] + d[1] * d[1] + d[2] * d[2]);
         ncr_directional_map_look_up(&map, d, got);
-        CHECK_NEAR((double)got[0], d[2] / length, 0.005);
+        CHECK_NEAR((double)got[0], d[2] / length, 0.01); /* texels cut by the rim: a third of one */
     }
     ncr_directional_map_dispose(&quiet, &map);
 }
