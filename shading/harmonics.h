@@ -49,8 +49,8 @@ typedef struct ncr_texel_report {
 typedef struct ncr_harmonics_opts {
     size_t struct_size;
     bool row_areas;      /* rows weigh by their own areas. Default: by the quadrature that is exact
-                            for every polynomial of degree below h, so that a constant stays one, and
-                            a map with w, h > 2 L and no detail above L is recovered to rounding */
+                            for every polynomial of degree below h: a constant stays one, and a map
+                            with w, h > 2 L and no detail above L is recovered to rounding */
     bool clamp_negative; /* values below 0 count as 0 */
     bool every_row;      /* transform each row of the map, even where fewer would do (slower, for
                             comparison) */

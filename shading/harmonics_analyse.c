@@ -14,6 +14,7 @@ typedef struct analysis {
     const ncr_image *map;
     const double *row_weight; /* [height] solid angle of a texel of each row */
     const double *row_area;   /* the same by areas, for the report */
+    double *pair_weight;      /* [rings] */
     float *tap_weight;        /* [height][NCR_TAPS] taps times row weights */
     ncr_scan *scans;          /* one for each chunk */
     size_t chunks;
@@ -32,6 +33,16 @@ static void scan_row(const analysis *job, uint32_t row, size_t begin, size_t end
 
 /* --- rows ------------------------------------------------------------------------------------- */
 
+/* Rows are far apart in memory, and no processor guesses where a strip goes on. */
+static void prefetch_rows(const analysis *job, uint32_t row, size_t begin, size_t end)
+{
+    enum { line = 16, rows = 4 };
+    const size_t floats = (size_t)job->map->width * job->map->channels;
+    for (uint32_t r = row; r < row + rows && r < job->map->height; r++)
+        for (size_t i = begin; i < end; i += line)
+            __builtin_prefetch(job->map->data + r * floats + i);
+}
+
 /* A strip of columns, all rows of it: coarse rows in play stay in the nearest cache. */
 static void spread_strips(size_t first, size_t past, unsigned worker, void *arg)
 {
@@ -48,6 +59,7 @@ static void spread_strips(size_t first, size_t past, unsigned worker, void *arg)
         for (uint32_t row = 0; row < sht->height;) {
             ncr_tap_group group = ncr_sht_group(sht, row);
             group.weight = job->tap_weight + (size_t)row * NCR_TAPS;
+            prefetch_rows(job, row + group.rows, begin, end);
             for (uint32_t r = 0; r < group.rows; r++, row++) {
                 group.fine[r] = job->map->data + row * floats;
                 scan_row(job, row, begin, end, &scan);
@@ -100,23 +112,26 @@ static double pair_weight(const analysis *job, size_t q)
     return job->row_weight[q] * (height - 1 - q == q ? 0.5 : 1.0);
 }
 
-/* Rings in the order that the sums read them. Rows beyond a pole join the rings they lie on, half a
- * turn away: odd orders change sign. */
+/* Rings in the order that the sums read them. Past the last pair the spectrum may hold anything.
+ * Rows beyond a pole join the rings they lie on, half a turn away: odd orders change sign. */
 static void fill_rings(const analysis *job, uint32_t m, double *data)
 {
     const ncr_sht *sht = &job->sht;
     const size_t parts = 4 * sht->channels, lanes = sht->kernels->lanes / 2;
+    const float *first = sht->rows.spectrum + m * parts * sht->rows.padded;
     const double half_turn = m % 2 ? -1 : 1;
-    for (size_t part = 0; part < parts; part++) {
-        const float *in = sht->rows.spectrum + (m * parts + part) * sht->rows.padded;
-        for (size_t q = 0; q < sht->rings.count; q++) {
-            const double weight = pair_weight(job, q);
-            double value = weight != 0 ? weight * (double)in[q + sht->border] : 0;
-            if (q < sht->border)
-                value += half_turn * (double)in[sht->border - 1 - q];
-            data[(q / lanes * parts + part) * lanes + q % lanes] = value;
+    for (size_t q = 0; q < sht->rings.count; q += lanes) {
+        for (size_t part = 0; part < parts; part++) {
+            const float *in = first + part * sht->rows.padded + sht->border + q;
+            double *out = data + q * parts + part * lanes;
+            for (size_t k = 0; k < lanes; k++)
+                out[k] = job->pair_weight[q + k] != 0 ? job->pair_weight[q + k] * (double)in[k] : 0;
         }
     }
+    for (size_t q = 0; q < sht->border; q++)
+        for (size_t part = 0; part < parts; part++)
+            data[(q / lanes * parts + part) * lanes + q % lanes] +=
+                half_turn * (double)first[part * sht->rows.padded + sht->border - 1 - q];
 }
 
 /* From sums of f P e^{-i m (phi - phi0)} to those of cosine and sine: turn by m phi0, the phi of
@@ -193,8 +208,11 @@ static ncr_status prepare(const ncr_ctx *ctx, analysis *job, const ncr_harmonics
                               : (sht->rows.pairs + sht->kernels->lanes - 1) / sht->kernels->lanes;
     job->scans = ncr_alloc_zero(ctx, job->chunks, sizeof *job->scans);
     job->tap_weight = ncr_alloc(ctx, sht->coarse ? (size_t)h * NCR_TAPS * sizeof(float) : 0);
-    if (!job->scans || !job->tap_weight)
+    job->pair_weight = ncr_alloc(ctx, sht->rings.count * sizeof *job->pair_weight);
+    if (!job->scans || !job->tap_weight || !job->pair_weight)
         return NCR_E_NOMEM;
+    for (size_t q = 0; q < sht->rings.count; q++)
+        job->pair_weight[q] = pair_weight(job, q);
     for (size_t k = 0; sht->coarse && k < (size_t)h * NCR_TAPS; k++)
         job->tap_weight[k] = (float)(weights[k / NCR_TAPS] * (double)sht->across.weight[k]);
     if (!sht->coarse)
@@ -260,6 +278,7 @@ ncr_status ncr_harmonics_analyse(const ncr_ctx *ctx, const ncr_image *map,
         *report = found;
     ncr_free(ctx, job.scans);
     ncr_free(ctx, job.tap_weight);
+    ncr_free(ctx, job.pair_weight);
     ncr_free(ctx, weights);
     ncr_sht_dispose(ctx, &job.sht);
     return status;

@@ -40,17 +40,19 @@ static void empty_rings(const synthesis *job, uint32_t m, const double *data)
     const ncr_sht *sht = &job->sht;
     const size_t parts = 4 * sht->channels, lanes = sht->kernels->lanes / 2;
     const float half_turn = m % 2 ? -1 : 1;
+    const size_t count = sht->rings.count, padded = sht->rows.padded;
+    float *first = sht->rows.spectrum + m * parts * padded;
+    for (size_t q = 0; q < count; q += lanes)
+        for (size_t part = 0; part < parts; part++)
+            for (size_t k = 0; k < lanes; k++)
+                first[part * padded + sht->border + q + k] =
+                    (float)data[q * parts + part * lanes + k];
     for (size_t part = 0; part < parts; part++) {
-        float *out = sht->rows.spectrum + (m * parts + part) * sht->rows.padded;
-        for (size_t q = 0; q < sht->rows.padded; q++) {
-            const size_t ring = q - sht->border;
-            if (q >= sht->border && ring < sht->rings.count)
-                out[q] = (float)data[(ring / lanes * parts + part) * lanes + ring % lanes];
-            else
-                out[q] = 0;
-        }
+        float *row = first + part * padded;
+        for (size_t q = sht->border + count; q < padded; q++)
+            row[q] = 0;
         for (size_t q = 0; q < sht->border; q++)
-            out[q] = half_turn * out[2 * sht->border - 1 - q];
+            row[q] = half_turn * row[2 * sht->border - 1 - q];
     }
 }
 

@@ -87,7 +87,7 @@ typedef enum ncr_window {
     NCR_WINDOW_LANCZOS, /* sinc(l / (L+1)) */
 } ncr_window;
 
-/** Multiply lambda_0 .. lambda_L by a window that falls to 0 at L + 1: less ringing, less detail. */
+/** Multiply lambda_0 .. lambda_L by a window that falls to 0 at L + 1: less ringing and detail. */
 NCR_API void ncr_window_apply(ncr_window window, uint32_t band_limit, double *lambda);
 
 NCR_END

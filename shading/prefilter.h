@@ -134,8 +134,8 @@ NCR_API ncr_status ncr_prefilter_grid_create(const ncr_ctx *ctx, const ncr_prefi
                                              ncr_prefilter_report *report);
 NCR_API void ncr_prefilter_grid_destroy(const ncr_ctx *ctx, ncr_prefilter_grid *grid);
 
-/** The filtered map in `count` directions of any length but 0: out is [count][channels]. Re-entrant,
- *  allocates nothing. */
+/** The filtered map in `count` directions of any length but 0: out is [count][channels].
+ *  Re-entrant, allocates nothing. */
 NCR_API void ncr_prefilter_grid_sample(const ncr_prefilter_grid *grid, size_t count,
                                        const ncr_vec3 *directions, float *out);
 

@@ -11,8 +11,8 @@
 #include <string.h>
 
 /* A filtered map has no detail above its band limit, so a grid three times as fine, with 8 x 8
- * neighbours, gives it between texels: to 8e-5 of whatever lies at the band limit itself, 1e-6 at an
- * eighth of it, and 5e-8 of a constant; most of what a lobe leaves is there. */
+ * neighbours, gives it between texels: to 8e-5 of whatever lies at the band limit itself, 1e-6 at
+ * an eighth of it, and 5e-8 of a constant; most of what a lobe leaves is there. */
 
 static const double pi = 3.14159265358979323846;
 static const double grid_band = 1.0 / 3, grid_emphasis = 10, negligible = 1e-7;

@@ -185,7 +185,7 @@ static void lanes_to_rows(const ncr_row_set *set, uint32_t pair0, uint32_t point
     }
 }
 
-/* --- along a row, where its width suits no transform -------------------------------------------- */
+/* --- along a row, where its width suits no transform ------------------------------------------ */
 
 ALWAYS void add_element(float *at, vf w, const float *from)
 {

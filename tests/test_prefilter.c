@@ -115,8 +115,8 @@ static void a_constant_comes_out_as_it_went_in(void **state)
     ncr_image_dispose(NULL, &out);
 }
 
-/* A-26: each harmonic comes out times its eigenvalue; where rows weigh by their areas, with an error
- * that falls with the square of the texel. */
+/* A-26: each harmonic comes out times its eigenvalue; where rows weigh by their areas, with an
+ * error that falls with the square of the texel. */
 static double error_of_one_harmonic(uint32_t h, uint32_t l, int32_t m, const ncr_lobe *lobe,
                                     bool row_areas)
 {
