@@ -14,7 +14,7 @@ sed -i "s|^prefix=.*|prefix=$work/prefix|; s|^libdir=.*|libdir=$libdir|;
         s|^includedir=.*|includedir=$work/prefix/include/nacre|" "$libdir/pkgconfig/nacre.pc"
 
 export PKG_CONFIG_PATH=$libdir/pkgconfig LD_LIBRARY_PATH=$libdir
-${CC:-cc} -std=c17 -Wall -Wextra -Wpedantic -Werror "$source/host.c" -o "$work/host" \
+${CC:-cc} ${CFLAGS:-} -std=c17 -Wall -Wextra -Wpedantic -Werror "$source/host.c" -o "$work/host" \
     $(pkg-config --cflags --libs nacre) -lm -pthread
 "$work/host" "$work/by-pkg-config.exr"
 
