@@ -356,6 +356,16 @@ static ncr_status run_on_field(experiments *x, uint32_t chosen, lab_field *f, bo
     return status;
 }
 
+/* Light that did not fit into memory was read while it was looked at, which its times include. */
+static void tell_traffic(experiments *x, const lab_field *f)
+{
+    const ncr_lightfield_traffic t = ncr_lightfield_count(f->light);
+    report_page_fact(x->page, REPORT_TIMINGS, "light on disk",
+                     "%ux%u cubes: %.0f MB of faces kept, %.0f MB read, %.1f %% found", f->cube,
+                     f->cube, 1e-6 * (double)t.bytes, 1e-6 * (double)t.bytes_read,
+                     100 * (double)t.hits / (double)(t.hits + t.misses));
+}
+
 ncr_status experiments_run(experiments *x, uint32_t chosen)
 {
     const ncr_preset *p = x->l->s.preset;
@@ -376,6 +386,8 @@ ncr_status experiments_run(experiments *x, uint32_t chosen)
         status = lab_bake(x->l, fields[k].cube, fields[k].epsilon, &f);
         if (status == NCR_OK)
             status = run_on_field(x, chosen, &f, k != 2, k != 1);
+        if (status == NCR_OK && f.stored.source)
+            tell_traffic(x, &f);
         lab_field_close(x->l, &f);
     }
     if (status == NCR_OK && chosen & RECURSION)

@@ -105,7 +105,7 @@ static ncr_status trace_references(lab *l)
 
 ncr_status lab_open(const app *a, const char *scene, const char *preset, lab *out)
 {
-    *out = (lab){.a = a};
+    *out = (lab){.a = a, .memory = 0x1p30};
     const ncr_camera *camera;
     ncr_status status = stage_open(a, scene, preset, NULL, &out->s);
     if (status == NCR_OK)
@@ -141,56 +141,4 @@ void lab_close(lab *l)
     ncr_free(ctx, l->mask);
     view_close(l->a, &l->v);
     stage_close(l->a, &l->s);
-}
-
-typedef struct memory_target {
-    const lab *l;
-    ncr_lightfield **light;
-} memory_target;
-
-static ncr_status into_memory(void *user, const ncr_baked *baked, uint32_t n, bool depth,
-                              ncr_tile_sink *sink)
-{
-    const memory_target *t = user;
-    const ncr_status status = ncr_lightfield_create(
-        &t->l->a->ctx, (uint32_t)baked->points.count, n,
-        NCR_OPTS(ncr_lightfield_opts, .depth = depth, .exponent = stage_half_exponent(&t->l->s)),
-        t->light);
-    if (status == NCR_OK)
-        *sink = ncr_lightfield_sink(*t->light);
-    return status;
-}
-
-ncr_status lab_bake(lab *l, uint32_t cube, double epsilon, lab_field *out)
-{
-    const ncr_ctx *ctx = &l->a->ctx;
-    *out = (lab_field){.cube = cube, .epsilon = epsilon};
-    const ncr_bake_opts opts = {
-        .struct_size = sizeof opts,
-        .object = l->s.object,
-        .grid = {.points = l->s.preset->points, .epsilon = epsilon},
-        .map = {.resolution = l->s.preset->map},
-        .cube = cube,
-    };
-    memory_target target = {l, &out->light};
-    ncr_status status =
-        ncr_bake(ctx, &l->s.tracer, &opts, into_memory, &target, &out->baked, &out->report);
-    if (status == NCR_OK)
-        status = ncr_lightfield_seal(ctx, out->light);
-    if (status == NCR_OK)
-        status =
-            ncr_probe_capture(ctx, &l->s.tracer, l->s.object, cube, &out->probe_light, &out->probe);
-    out->map = &out->baked.map;
-    if (status != NCR_OK)
-        lab_field_close(l, out);
-    return status;
-}
-
-void lab_field_close(const lab *l, lab_field *f)
-{
-    const ncr_ctx *ctx = &l->a->ctx;
-    ncr_lightfield_destroy(ctx, f->probe_light);
-    ncr_lightfield_destroy(ctx, f->light);
-    ncr_baked_dispose(ctx, &f->baked);
-    *f = (lab_field){0};
 }

@@ -5,7 +5,7 @@
 
 #include "apps/view.h"
 
-/** Light, points and maps of one bake, held in memory. */
+/** Light, points and maps of one bake. */
 typedef struct lab_field {
     uint32_t cube;
     double epsilon;
@@ -13,6 +13,7 @@ typedef struct lab_field {
     ncr_baked baked;
     ncr_bake_report report;
     ncr_lightfield *light;
+    ncr_field stored; /* what the light is read from, when it does not fit into lab.memory */
     const ncr_sample_map *map; /* which maps to shade by: the baked ones, or others */
     ncr_lightfield *probe_light;
     ncr_probe probe;
@@ -24,6 +25,8 @@ typedef struct lab {
     view v;
     uint8_t *mask;
     double exposure;
+    double memory;             /* bytes of a field's light that may be kept; set by lab_open */
+    const char *folder;        /* for light that needs more, borrowed; NULL: all goes into memory */
     ncr_image background;      /* everything but the object */
     ncr_image reference[3];    /* by ncr_term: full, recon, reflect */
     ncr_shade_stats traced[3]; /* what they cost */

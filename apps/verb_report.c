@@ -11,6 +11,7 @@ typedef struct report_options {
     app common;
     const char *scene, *folder, *preset, *list;
     uint32_t repeats;
+    double memory;
 } report_options;
 
 /* "mirror,epsilon" to bits; NULL is all. */
@@ -127,6 +128,9 @@ static ncr_status run_report(const report_options *o)
         return status;
 
     snprintf(table.scene, sizeof table.scene, "%s", o->scene);
+    l.folder = o->folder;
+    if (o->memory > 0)
+        l.memory = o->memory < 0x1p62 ? o->memory : 0x1p62;
     report_page_init(&a->ctx, &table, "Reflections of a curved object", &page);
     experiments x = {
         .l = &l, .table = &table, .page = &page, .repeats = o->repeats ? o->repeats : 5};
@@ -155,6 +159,8 @@ int verb_report(int argc, char **argv)
         {"--experiments", 0, OPTION_TEXT, &o.list, "LIST",
          "reconstruction,mirror,epsilon,horizon,occlusion,recursion,registration (default all)"},
         {"--repeats", 0, OPTION_COUNT, &o.repeats, "N", "timings per row, median (default 5)"},
+        {"--memory", 0, OPTION_NUMBER, &o.memory, "BYTES",
+         "light of a field to keep in memory, the rest on disk (default 2^30)"},
         APP_OPTIONS(&o.common),
     };
     const command_line line = {

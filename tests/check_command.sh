@@ -113,6 +113,16 @@ expect 0 "0 failed" check cielab weights --json
 member "$work/out" schema measured failed rows
 expect 0 "curvature" check curvature --scene $scene --threads 2
 
+# Nor does a report with little memory differ in anything but its times.
+for memory in 1000000000 1500000; do
+    expect 0 "report.html" report $scene --preset quick --repeats 1 --experiments reconstruction --memory $memory \
+        -o "$work/report.$memory"
+    jq '[.rows[] | del(.seconds)]' "$work/report.$memory/report.json" >"$work/rows.$memory"
+done
+cmp "$work/rows.1000000000" "$work/rows.1500000" || failures=$((failures + 1))
+grep -q "light on disk" "$work/report.1500000/report.html" || failures=$((failures + 1))
+[ ! -e "$work/report.1500000/light-32.field" ] || failures=$((failures + 1))
+
 # A damaged field is noticed.
 cp -r "$work/s.field" "$work/t.field"
 printf 'x' | dd of="$work/t.field/charts.bin" bs=1 seek=9 conv=notrunc status=none
