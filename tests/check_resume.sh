@@ -24,13 +24,18 @@ bake=(bake "$work/scene.json" --preset quick --points 60 --cube 128 --map 16 --j
 "$nacre" "${bake[@]}" -o "$work/whole.field" >"$work/out" 2>"$work/err" || fail "the bake failed"
 capture=$(jq '.seconds.capture * 1000 | floor' "$work/out")
 
+# Whether a first tile has been noted: the journal's lead alone is shorter than this.
+tile_noted() {
+    [ "$(stat -c %s "$work/cut.field.partial/tiles.journal" 2>/dev/null || echo 0)" -gt 48 ]
+}
+
 # Runs until capture has begun, and a random share of its length more; then ends it by a signal.
 cut_short() {
     local signal=$1 threads=$2 code=0
     shift 2
     "$nacre" "${bake[@]}" --threads "$threads" -o "$work/cut.field" "$@" >"$work/out" 2>"$work/err" &
     local job=$!
-    until grep -qE "going on|another bake" "$work/err" || [ -e "$work/cut.field.partial/tiles.journal" ]; do
+    until grep -qE "going on|another bake" "$work/err" || tile_noted; do
         kill -0 $job 2>/dev/null || break
         sleep 0.02
     done
