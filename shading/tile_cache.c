@@ -10,7 +10,7 @@
  * The thesis stamps entries with a counter of 32 bits that wraps; a list in order of use has
  * nothing to wrap. */
 
-enum { none = UINT32_MAX };
+static const uint32_t none = UINT32_MAX;
 
 typedef struct slot {
     uint32_t key;        /* none: empty */
