@@ -33,6 +33,7 @@ tile_noted() {
 cut_short() {
     local signal=$1 threads=$2 code=0
     shift 2
+    : >"$work/err" # the job truncates it too, but not before the first look below
     "$nacre" "${bake[@]}" --threads "$threads" -o "$work/cut.field" "$@" >"$work/out" 2>"$work/err" &
     local job=$!
     until grep -qE "going on|another bake" "$work/err" || tile_noted; do
