@@ -104,8 +104,14 @@ static void leave_off(field_target *t)
                 (unsigned long long)kept, t->o->field);
 }
 
+/* What writing the field came to. */
+typedef struct written_field {
+    uint64_t bytes, resumed; /* resumed: tiles that an earlier bake had finished */
+    double seconds;
+} written_field;
+
 static json_t *summary(const stage *s, const ncr_baked *baked, const ncr_bake_report *r,
-                       uint64_t bytes, double write, double total)
+                       const written_field *w, double total)
 {
     return json_pack(
         "{s:s, s:s, s:I, s:I, s:I, s:I, s:I, s:I, s:{s:f, s:f, s:f, s:f, s:f, s:f}, s:I, s:{s:I, "
@@ -114,15 +120,15 @@ static json_t *summary(const stage *s, const ncr_baked *baked, const ncr_bake_re
         "points", (json_int_t)baked->points.count, "patches", (json_int_t)baked->map.patch_count,
         "texels", (json_int_t)r->total.texels, "texels_short_of_four",
         (json_int_t)r->total.short_of_four, "texels_uncovered", (json_int_t)r->total.uncovered,
-        "bytes", (json_int_t)bytes, "seconds", "light", s->light.seconds, "place", r->seconds.place,
-        "maps", r->seconds.maps, "capture", r->seconds.capture, "write", write, "total", total,
-        "rays", (json_int_t)(stage_rays(&r->capture.rays) + r->map.rays + s->light.rays), "tiles",
-        "captured", (json_int_t)r->capture.tiles, "resumed", (json_int_t)r->capture.tiles_skipped,
-        "omitted");
+        "bytes", (json_int_t)w->bytes, "seconds", "light", s->light.seconds, "place",
+        r->seconds.place, "maps", r->seconds.maps, "capture", r->seconds.capture, "write",
+        w->seconds, "total", total, "rays",
+        (json_int_t)(stage_rays(&r->capture.rays) + r->map.rays + s->light.rays), "tiles",
+        "captured", (json_int_t)r->capture.tiles, "resumed", (json_int_t)w->resumed, "omitted");
 }
 
 static ncr_status bake_field(const bake_options *o, stage *s, ncr_baked *baked,
-                             ncr_bake_report *report, uint64_t *bytes, double *write)
+                             ncr_bake_report *report, written_field *out)
 {
     const app *a = &o->common;
     ncr_status status = stage_light(a, s);
@@ -163,10 +169,11 @@ static ncr_status bake_field(const bake_options *o, stage *s, ncr_baked *baked,
     status = ncr_bake(&a->ctx, &s->tracer, &opts, open_field, &target, baked, report);
     const double began = app_seconds();
     if (status == NCR_OK)
-        status = ncr_field_writer_finish(&a->ctx, target.writer, bytes);
+        status = ncr_field_writer_finish(&a->ctx, target.writer, &out->bytes);
     else
         leave_off(&target);
-    *write = app_seconds() - began;
+    out->seconds = app_seconds() - began;
+    out->resumed = target.resumed.tiles;
     return status;
 }
 
@@ -194,19 +201,18 @@ static ncr_status run_bake(const bake_options *o)
     stage s;
     ncr_baked baked = {0};
     ncr_bake_report report = {0};
-    uint64_t bytes = 0;
-    double write = 0;
+    written_field written = {0};
 
     ncr_status status = check_words(o, &a->ctx);
     if (status == NCR_OK)
         status = stage_open(a, o->scene, o->preset, o->object, &s);
     if (status != NCR_OK)
         return status;
-    status = bake_field(o, &s, &baked, &report, &bytes, &write);
+    status = bake_field(o, &s, &baked, &report, &written);
     if (status == NCR_OK) {
         const double total = app_seconds() - began;
-        say_summary(o, &s, &baked, &report, bytes, total);
-        app_print_json(a, summary(&s, &baked, &report, bytes, write, total));
+        say_summary(o, &s, &baked, &report, written.bytes, total);
+        app_print_json(a, summary(&s, &baked, &report, &written, total));
     }
     ncr_baked_dispose(&a->ctx, &baked);
     stage_close(a, &s);

@@ -1,4 +1,7 @@
-/* SPDX-License-Identifier: MIT */
+/* SPDX-License-Identifier: MIT
+ *
+ * This file follows:
+ *   [RFC4648]  S. Josefsson. The Base16, Base32, and Base64 Data Encodings, 2006 */
 #include "io/tile_runs_internal.h"
 
 #include <string.h>
