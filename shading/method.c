@@ -34,7 +34,7 @@ static const ncr_method_entry entries[] = {
      NCR_BASIS_ABS_R},
 };
 
-enum { entry_count = sizeof entries / sizeof *entries, name_room = 32, pixels_per_chunk = 4096 };
+enum { entry_count = sizeof entries / sizeof *entries, name_room = 32, pixels_per_chunk = 8192 };
 
 const char *ncr_method_name(size_t k, const char **summary)
 {
@@ -128,30 +128,63 @@ static void shade_run(const shade_call *call, ncr_run *run, ncr_shade_stats *sta
     }
 }
 
+/* First pixel from k on that is, or with `other` is not, of the object; `end` if none is. Many at
+ * a time: most of an image is of other objects. */
+static size_t find_pixel(const uint32_t *object, uint32_t wanted, bool other, size_t k, size_t end)
+{
+    const uint32_t flip = other ? UINT32_MAX : 0;
+    for (; k + 32 <= end; k += 32) {
+        uint32_t found = 0;
+        for (size_t i = 0; i < 32; i++)
+            found |= (object[k + i] == wanted ? UINT32_MAX : 0) ^ flip;
+        if (found)
+            break;
+    }
+    while (k < end && (object[k] == wanted) == other)
+        k++;
+    return k;
+}
+
+/* Two runs: while one is shaded, what the next needs is on its way. */
+typedef struct run_pair {
+    ncr_run run[2];
+    unsigned filling;
+} run_pair;
+
+/* The run that was filled asks for its texels; the one before it is shaded and filled next. */
+static void turn_over(const shade_call *call, run_pair *pair, ncr_shade_stats *stats)
+{
+    const ncr_run *filled = &pair->run[pair->filling];
+    ncr_run_ask(&call->job, &pair->run[pair->filling]);
+    for (size_t k = 0; k < filled->count; k += 5) /* five pixels are 60 bytes */
+        __builtin_prefetch(call->image->data + 3 * (size_t)filled->pixel[k], 1);
+    pair->filling ^= 1;
+    ncr_run *before = &pair->run[pair->filling];
+    if (before->count)
+        shade_run(call, before, stats);
+    before->count = 0;
+}
+
 static void shade_chunk(size_t begin, size_t end, unsigned worker, void *arg)
 {
     const shade_call *call = arg;
     const uint32_t *object = call->job.gbuffer->object, wanted = call->job.in->object;
     ncr_shade_stats *stats = &call->per_worker[worker];
-    ncr_run run = {.count = 0}; /* zeros: kernels work on whole rows, past the last pixel */
-    for (size_t k = begin; k < end;) {
-        if (object[k] != wanted) {
-            k++;
-            continue;
-        }
-        size_t last = k + 1;
-        while (last < end && object[last] == wanted)
-            last++;
+    run_pair pair;
+    pair.filling = 0;
+    pair.run[0].count = pair.run[1].count = 0;
+    for (size_t k = find_pixel(object, wanted, false, begin, end); k < end;
+         k = find_pixel(object, wanted, false, k, end)) {
+        const size_t last = find_pixel(object, wanted, true, k, end);
         while (k < last) {
-            k += ncr_run_add(call->job.gbuffer, k, last, &run);
-            if (run.count < NCR_RUN)
-                continue;
-            shade_run(call, &run, stats);
-            run.count = 0;
+            ncr_run *run = &pair.run[pair.filling];
+            k += ncr_run_add(call->job.gbuffer, k, last, run);
+            if (run->count == NCR_RUN)
+                turn_over(call, &pair, stats);
         }
     }
-    if (run.count)
-        shade_run(call, &run, stats);
+    turn_over(call, &pair, stats);
+    turn_over(call, &pair, stats);
 }
 
 static ncr_status check_parts(const ncr_ctx *ctx, const ncr_method *method,

@@ -36,9 +36,10 @@ typedef struct ncr_run {
     size_t count;
     uint32_t pixel[NCR_RUN], patch[NCR_RUN];
     float u[NCR_RUN], v[NCR_RUN];
-    ncr_rows x, n; /* position in frame units, unit normal toward the eye */
-    ncr_rows r;    /* 2 n (n.v) - v */
-    uint16_t point[NCR_CANDIDATES][NCR_RUN]; /* of the sample map; NCR_NO_POINT without one */
+    ncr_rows x, n;                       /* position in frame units, unit normal toward the eye */
+    ncr_rows r;                          /* 2 n (n.v) - v */
+    const uint16_t *candidates[NCR_RUN]; /* where the sample map has them, if there is one */
+    uint16_t point[NCR_CANDIDATES][NCR_RUN]; /* these; NCR_NO_POINT without a map */
     ncr_rows rgb;
 } ncr_run;
 
@@ -75,7 +76,12 @@ ncr_shade_fn ncr_recon_trace, ncr_reflect_trace;    /* method_trace.c */
 /* Add neighbouring pixels [begin, end) to a run, as many as there is room for; returns how many. */
 size_t ncr_run_add(const ncr_gbuffer *gbuffer, size_t begin, size_t end, ncr_run *run);
 
-/* What follows from the pixels of a run: where their mirrors look, and which points see them. */
+/* Find a full run's texels in the sample map and start fetching them: done a run ahead, since they
+ * lie far apart. */
+void ncr_run_ask(const ncr_shade_job *job, ncr_run *run);
+
+/* What follows from the pixels of a run that has asked: where their mirrors look, and which points
+ * see them. */
 void ncr_run_complete(const ncr_shade_job *job, ncr_run *run);
 
 /* Offsets from pixel k to its candidates, and a bit for each that there is. */

@@ -9,13 +9,16 @@
 
 /* Elevation of the candidates over the tangent plane, as cosines with the normal; a point on the
  * surface itself counts as straight above [S-13]. Missing ones get -3, below any rule. */
+static float elevation(ncr_vec3 to_point, ncr_vec3 n)
+{
+    const float length = v_length(to_point);
+    return length > 0 ? v_dot(n, to_point) / length : 1;
+}
+
 static void elevations(const ncr_vec3 *to_point, unsigned valid, ncr_vec3 n, float *cosine)
 {
-    for (unsigned j = 0; j < NCR_CANDIDATES; j++) {
-        const float length = v_length(to_point[j]);
-        cosine[j] = length > 0 ? v_dot(n, to_point[j]) / length : 1;
-        cosine[j] = valid >> j & 1 ? cosine[j] : -3;
-    }
+    for (unsigned j = 0; j < NCR_CANDIDATES; j++)
+        cosine[j] = valid >> j & 1 ? elevation(to_point[j], n) : -3;
 }
 
 /* The best elevation when none satisfies the rule: above the horizon if any is.       [E-29] */
@@ -50,7 +53,32 @@ static size_t accumulate(const ncr_shade_job *job, ncr_run *run, const uint16_t 
 }
 
 /* The first candidate, in the map's order of rising distance, that stands steeper than the
- * horizon: low ones see the surface at a grazing angle, through few texels.     [T 6.3] [E-29] */
+ * horizon: low ones see the surface at a grazing angle, through few texels. Mostly that is the very
+ * first, so the others are looked at only when it fails. Returns its channel, or the highest and
+ * counts a fallback.                                                            [T 6.3] [E-29] */
+static unsigned first_above(const ncr_shade_job *job, const ncr_run *run, size_t k, ncr_vec3 n,
+                            ncr_vec3 *to_point, ncr_shade_stats *stats)
+{
+    const ncr_vec3 x = ncr_rows_get(&run->x, k);
+    unsigned best = 0;
+    float highest_yet = 0;
+    for (unsigned j = 0; j < NCR_CANDIDATES; j++) {
+        const uint16_t index = run->point[j][k];
+        const float *p = job->point[index == NCR_NO_POINT ? 0 : index];
+        const ncr_vec3 to = v_sub((ncr_vec3){p[0], p[1], p[2]}, x);
+        const float cosine = index == NCR_NO_POINT ? -3 : elevation(to, n);
+        if (j == 0 || cosine > highest_yet) {
+            highest_yet = cosine;
+            *to_point = to;
+            best = j;
+        }
+        if (cosine > job->horizon)
+            return j;
+    }
+    stats->fallbacks++;
+    return best;
+}
+
 void ncr_recon_nearest(const ncr_shade_job *job, const ncr_method *method, ncr_run *run,
                        ncr_shade_stats *stats)
 {
@@ -59,24 +87,16 @@ void ncr_recon_nearest(const ncr_shade_job *job, const ncr_method *method, ncr_r
     ncr_rows d;
     float w[NCR_RUN];
     for (size_t k = 0; k < run->count; k++) {
-        ncr_vec3 to_point[NCR_CANDIDATES];
-        float cosine[NCR_CANDIDATES];
         const ncr_vec3 n = ncr_rows_get(&run->n, k);
-        elevations(to_point, ncr_run_offsets(job, run, k, to_point), n, cosine);
-
-        unsigned j = 0;
-        while (j < NCR_CANDIDATES && !(cosine[j] > job->horizon))
-            j++;
-        stats->fallbacks += j == NCR_CANDIDATES;
-        j = j < NCR_CANDIDATES ? j : highest(cosine);
-
-        point[k] = run->point[j][k];
+        ncr_vec3 to_point;
+        point[k] = run->point[first_above(job, run, k, n, &to_point, stats)][k];
         stats->lookups += point[k] != NCR_NO_POINT;
-        set_look_up(to_point[j], n, k, &d);
+        set_look_up(to_point, n, k, &d);
         w[k] = 1;
     }
-    clear(run);
-    stats->trapped += accumulate(job, run, point, &d, w);
+    stats->trapped +=
+        ncr_lightfield_blend(job->in->light, run->count, 1, (const uint16_t *const[]){point},
+                             (const float *const[]){w}, NCR_ROWS_IN(&d), NCR_ROWS_OUT(&run->rgb));
 }
 
 /* The mean of all candidates that satisfy the rule of `nearest`.                      [T-316] */
