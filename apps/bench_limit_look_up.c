@@ -75,23 +75,13 @@ BENCH_INLINE void look_up_all(const bench_cubes *cubes, const bool half, const u
     }
 }
 
-void BENCH_KERNEL(bench_blend_half)(const bench_cubes *cubes, size_t count,
-                                    const uint16_t *const *point, const float *const *w,
-                                    const float *const d[3], float *const out[3])
-{
-    look_up_all(cubes, true, 4, count, point, w, d, out);
-}
+#define DEFINE_LOOK_UP(name, half, points)                                                         \
+    void BENCH_KERNEL(name)(const bench_cubes *cubes, size_t count, const uint16_t *const *point,  \
+                            const float *const *w, const float *const d[3], float *const out[3])   \
+    {                                                                                              \
+        look_up_all(cubes, half, points, count, point, w, d, out);                                 \
+    }
 
-void BENCH_KERNEL(bench_blend_float)(const bench_cubes *cubes, size_t count,
-                                     const uint16_t *const *point, const float *const *w,
-                                     const float *const d[3], float *const out[3])
-{
-    look_up_all(cubes, false, 4, count, point, w, d, out);
-}
-
-void BENCH_KERNEL(bench_single_half)(const bench_cubes *cubes, size_t count,
-                                     const uint16_t *const *point, const float *const *w,
-                                     const float *const d[3], float *const out[3])
-{
-    look_up_all(cubes, true, 1, count, point, w, d, out);
-}
+DEFINE_LOOK_UP(bench_blend_half, true, 4)
+DEFINE_LOOK_UP(bench_blend_float, false, 4)
+DEFINE_LOOK_UP(bench_single_half, true, 1)

@@ -8,9 +8,9 @@
 #include <stdlib.h>
 #include <time.h>
 
-/* Long enough that a timer interrupt is lost in it, short enough that both sides of a turn meet
- * the same weather. */
-static const double slice = 0.02;
+/* Long enough for the clock, short enough that both sides of a turn meet the same weather: what
+ * the rest of the machine is doing, and what is left in the caches. */
+static const double slice = 0.001;
 
 /* Time this thread has had, so that what others do to the machine counts only by the caches and
  * the clock rate that they leave. */

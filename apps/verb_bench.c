@@ -15,17 +15,17 @@ typedef struct bench_row {
 } bench_row;
 
 static const bench_row rows[] = {
-    {"bezier-float", "patch points with both orders of derivatives", bench_bezier_float, 21},
-    {"bezier-double", "the same in double", bench_bezier_double, 21},
+    {"bezier-float", "patch points with both orders of derivatives", bench_bezier_float, 301},
+    {"bezier-double", "the same in double", bench_bezier_double, 301},
     {"sample-maps", "four nearest visible points of each texel", bench_sample_maps, 9},
     {"sample-maps-occlusion", "the same with free sight to each point", bench_maps_occlusion, 9},
     {"capture", "cubes of light in the scene", bench_capture, 9},
     {"closest", "nearest hits of capture's view rays", bench_closest, 9},
     {"occluded", "capture's shadow rays", bench_shadows, 9},
-    {"mirror-half", "mirror shading from four cubes of halves", bench_mirror_half, 21},
-    {"mirror-float", "the same from floats", bench_mirror_float, 21},
-    {"reconstruct", "the surface from one cube", bench_reconstruct, 21},
-    {"decode-half", "halves to floats", bench_decode_half, 21},
+    {"mirror-half", "mirror shading from four cubes of halves", bench_mirror_half, 201},
+    {"mirror-float", "the same from floats", bench_mirror_float, 201},
+    {"reconstruct", "the surface from one cube", bench_reconstruct, 201},
+    {"decode-half", "halves to floats", bench_decode_half, 301},
 };
 enum { row_count = sizeof rows / sizeof rows[0] };
 
@@ -134,7 +134,7 @@ int verb_bench(int argc, char **argv)
     const option options[] = {
         {"--peers", 0, OPTION_FLAG, &o.peers, NULL, "race other libraries too, where built in"},
         {"--list", 0, OPTION_FLAG, &o.list, NULL, "name the rows and stop"},
-        {"--turns", 0, OPTION_COUNT, &o.turns, "N", "turns of each race, at most 64"},
+        {"--turns", 0, OPTION_COUNT, &o.turns, "N", "turns of each race, at most 301"},
         {"--scene", 0, OPTION_TEXT, &o.scene, "FILE", "scene of the rows that need one"},
         APP_OPTIONS(&o.common),
     };
