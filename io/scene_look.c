@@ -37,11 +37,11 @@ static void read_rgb(ncr_json at, double high, float rgb[3])
 static void read_period(ncr_json at, float period[2])
 {
     if (json_is_array(at.value)) {
-        ncr_json_floats(at, 2, 1e-12, 1e30, period);
+        ncr_json_floats(at, 2, ncr_scene_tiny, ncr_scene_long, period);
         return;
     }
     double both = period[0];
-    ncr_json_number(at, 1e-12, 1e30, &both);
+    ncr_json_number(at, ncr_scene_tiny, ncr_scene_long, &both);
     period[0] = period[1] = (float)both;
 }
 
@@ -121,7 +121,7 @@ static void need_point(const ncr_json *at, const char *key, double out[3])
 {
     const ncr_json member = ncr_json_member(at, key);
     ncr_json_need(&member, "an array of 3 numbers");
-    ncr_json_numbers(member, 3, -1e30, 1e30, out);
+    ncr_json_numbers(member, 3, -ncr_scene_long, ncr_scene_long, out);
 }
 
 void ncr_scene_read_camera(const ncr_json *at, ncr_scene_camera *out)
@@ -155,7 +155,7 @@ static void read_irradiance(const ncr_json *at, ncr_irradiance_opts *out)
     if (!ncr_json_present(at) || !ncr_json_only(at, NCR_WORDS(known)))
         return;
     const ncr_json rays = ncr_json_member(at, "rays");
-    ncr_json_number(ncr_json_member(at, "spacing"), 0, 1e30, &out->spacing);
+    ncr_json_number(ncr_json_member(at, "spacing"), 0, ncr_scene_long, &out->spacing);
     ncr_json_count(rays, 0, 1 << 20, &out->rays);
     ncr_json_count(ncr_json_member(at, "bounces"), 0, 1000, &out->bounces);
     ncr_json_count(ncr_json_member(at, "seed"), 0, UINT32_MAX, &seed);
@@ -179,12 +179,12 @@ static void read_cubes(const ncr_json *at, uint32_t out[2])
 static void read_offsets(const ncr_json *at, double out[2])
 {
     if (!json_is_array(at->value)) {
-        ncr_json_number(*at, 1e-30, 1e30, out);
+        ncr_json_number(*at, ncr_scene_tiny, ncr_scene_long, out);
         return;
     }
     const size_t count = ncr_json_array(at, 1, 2, "offsets");
     for (size_t k = 0; k < count; k++)
-        ncr_json_number(ncr_json_element(at, k), 1e-30, 1e30, out + k);
+        ncr_json_number(ncr_json_element(at, k), ncr_scene_tiny, ncr_scene_long, out + k);
 }
 
 void ncr_scene_read_preset(const ncr_json *at, ncr_preset *out)

@@ -55,7 +55,7 @@ void ncr_scene_read_object(const ncr_json *at, const ncr_scene_palette *palette,
     find_material(&material_at, palette, material);
     ncr_json_bool(ncr_json_member(at, "bake"), &bake);
     ncr_json_bool(ncr_json_member(at, "open_sheet"), &desc->open_sheet);
-    ncr_json_number(ncr_json_member(at, "chord"), 0, 1e30, &desc->chord);
+    ncr_json_number(ncr_json_member(at, "chord"), 0, ncr_scene_long, &desc->chord);
     desc->mask = bake ? NCR_SCENE_MASK_BAKED : NCR_SCENE_MASK_OTHER;
     desc->surface = make_surface(at, folder);
 }

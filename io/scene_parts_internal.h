@@ -8,6 +8,10 @@
 #include "io/json_internal.h"
 #include "io/scene_file.h"
 
+/* The longest and shortest length in model units: a scene of everyday numbers may be 1e30 times as
+ * large or small, and what is kept as float stays a normal one. */
+static const double ncr_scene_long = 1e36, ncr_scene_tiny = 1e-36;
+
 /* A growing list of control nets. */
 typedef struct ncr_net_list {
     size_t count, room;

@@ -60,9 +60,9 @@ static void move(ncr_net_list *nets, size_t first, const double map[12])
 static void read_scale(ncr_json at, double scale[3])
 {
     if (json_is_array(at.value))
-        ncr_json_numbers(at, 3, -1e30, 1e30, scale);
+        ncr_json_numbers(at, 3, -ncr_scene_long, ncr_scene_long, scale);
     else
-        ncr_json_number(at, 1e-30, 1e30, scale);
+        ncr_json_number(at, ncr_scene_tiny, ncr_scene_long, scale);
     if (!json_is_array(at.value))
         scale[1] = scale[2] = scale[0];
     for (int k = 0; k < 3; k++)
@@ -76,7 +76,8 @@ static void place(const ncr_json *at, size_t first, ncr_net_list *nets)
     double translate[3] = {0}, rotate[3] = {0}, scale[3] = {1, 1, 1};
     if (!ncr_json_present(at) || !ncr_json_only(at, NCR_WORDS(known)))
         return;
-    ncr_json_numbers(ncr_json_member(at, "translate"), 3, -1e30, 1e30, translate);
+    ncr_json_numbers(ncr_json_member(at, "translate"), 3, -ncr_scene_long, ncr_scene_long,
+                     translate);
     ncr_json_numbers(ncr_json_member(at, "rotate_deg"), 3, -360, 360, rotate);
     read_scale(ncr_json_member(at, "scale"), scale);
     if (at->doc->status)
@@ -108,7 +109,7 @@ static void repeat(const ncr_json *at, size_t first, ncr_net_list *nets)
     ncr_json_count(count_at, 1, most_copies, &copies);
     ncr_json_word(ncr_json_member(at, "about"), NCR_WORDS(axes), &axis);
     ncr_json_number(ncr_json_member(at, "angle_deg"), -360, 360, &angle);
-    ncr_json_numbers(ncr_json_member(at, "step"), 3, -1e30, 1e30, step);
+    ncr_json_numbers(ncr_json_member(at, "step"), 3, -ncr_scene_long, ncr_scene_long, step);
     if (at->doc->status)
         return;
     const size_t one = nets->count - first;

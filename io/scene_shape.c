@@ -99,17 +99,15 @@ static void need_numbers(const ncr_json *at, const char *key, size_t count, doub
     char what[32];
     snprintf(what, sizeof what, "an array of %zu numbers", count);
     ncr_json_need(&member, what);
-    ncr_json_numbers(member, count, -1e30, 1e30, out);
+    ncr_json_numbers(member, count, -ncr_scene_long, ncr_scene_long, out);
 }
 
 static void need_length(const ncr_json *at, const char *key, double low, double *out)
 {
     const ncr_json member = ncr_json_member(at, key);
     ncr_json_need(&member, "a length");
-    ncr_json_number(member, low, 1e30, out);
+    ncr_json_number(member, low, ncr_scene_long, out);
 }
-
-static const double tiny = 1e-30; /* the least length a scene file may ask for */
 
 static void read_box(const ncr_json *at, ncr_net_list *nets)
 {
@@ -147,7 +145,7 @@ static void read_disc(const ncr_json *at, ncr_net_list *nets)
     double radius = 0, hole = 0;
     if (!ncr_json_only(at, NCR_WORDS(known)))
         return;
-    need_length(at, "radius", tiny, &radius);
+    need_length(at, "radius", ncr_scene_tiny, &radius);
     ncr_json_number(ncr_json_member(at, "hole"), 0, radius * (1 - 1e-9), &hole);
     double(*out)[16][3] = ncr_scene_grow(at, nets, 4);
     if (out)
@@ -170,8 +168,8 @@ static void read_beam(const ncr_json *at, ncr_net_list *nets)
     need_numbers(at, "from", 3, from);
     need_numbers(at, "to", 3, to);
     ncr_json_numbers(ncr_json_member(at, "up"), 3, -1, 1, up);
-    need_length(at, "width", tiny, &width);
-    need_length(at, "height", tiny, &height);
+    need_length(at, "width", ncr_scene_tiny, &width);
+    need_length(at, "height", ncr_scene_tiny, &height);
     if (at->doc->status)
         return;
     d_sub(to, from, along);
@@ -193,7 +191,7 @@ static void read_plank(const ncr_json *at, ncr_net_list *nets)
     ncr_json_need(&upper_at, "a cubic");
     read_cubic(&lower_at, lower, -INFINITY);
     read_cubic(&upper_at, upper, -INFINITY);
-    need_length(at, "thickness", tiny, &thickness);
+    need_length(at, "thickness", ncr_scene_tiny, &thickness);
     double(*out)[16][3] = ncr_scene_grow(at, nets, 6);
     if (out)
         ncr_shape_plank((const double(*)[2])lower, (const double(*)[2])upper, thickness, out);
@@ -211,9 +209,9 @@ static void read_prism(const ncr_json *at, ncr_net_list *nets)
     ncr_json_count(sides_at, 4, 1024, &sides);
     if (sides % 2)
         ncr_json_expected(&sides_at, "an even number");
-    need_length(at, "radius", tiny, &radius);
-    need_length(at, "bottom", -1e30, &bottom);
-    need_length(at, "top", -1e30, &top);
+    need_length(at, "radius", ncr_scene_tiny, &radius);
+    need_length(at, "bottom", -ncr_scene_long, &bottom);
+    need_length(at, "top", -ncr_scene_long, &top);
     if (!(bottom < top))
         ncr_json_fail(at, "bottom must be below top, but %g and %g", bottom, top);
     double(*out)[16][3] = ncr_scene_grow(at, nets, 2 * (size_t)sides);
@@ -227,11 +225,11 @@ static void read_lattice(const ncr_json *at, ncr_net_list *nets)
     ncr_lattice l = {0};
     if (!ncr_json_only(at, NCR_WORDS(known)))
         return;
-    need_length(at, "width", tiny, &l.width);
-    need_length(at, "height", tiny, &l.height);
-    need_length(at, "spacing", tiny, &l.spacing);
-    need_length(at, "slat", tiny, &l.slat);
-    need_length(at, "thickness", tiny, &l.thickness);
+    need_length(at, "width", ncr_scene_tiny, &l.width);
+    need_length(at, "height", ncr_scene_tiny, &l.height);
+    need_length(at, "spacing", ncr_scene_tiny, &l.spacing);
+    need_length(at, "slat", ncr_scene_tiny, &l.slat);
+    need_length(at, "thickness", ncr_scene_tiny, &l.thickness);
     if (at->doc->status)
         return;
     if ((l.width + l.height) / l.spacing > most_slats) {
