@@ -60,8 +60,9 @@ typedef struct ncr_albedo {
     double scale, bias;
 } ncr_albedo;
 
-/** By Gauss and trapezoid quadrature over facets: right to 1e-6 for cos_v > 0.05 with Smith's
- *  shadowing, to 1e-4 everywhere. cos_v in (0,1]. The albedo of a mirror of facets is the sum. */
+/** By Gauss and trapezoid quadrature over facets, cos_v in (0,1]: for alpha from 1e-4 to 1 right to
+ *  3e-6 with Smith's shadowing and 3e-5 with V-cavities where cos_v >= 0.05; to 1e-4 and 2e-3 at
+ *  0.005. The albedo of a mirror of facets is the sum. */
 NCR_API ncr_albedo ncr_microfacet_albedo(const ncr_microfacet *m, double cos_v);
 
 /** Table [rows][columns] of scale and bias: column i at cos_v = (i + 1/2) / columns, row j at

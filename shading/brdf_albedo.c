@@ -12,22 +12,11 @@
  *
  *     int D G / (4 n.v) dl = int G (v.h) / (n.v n.h) dq dphi / 2 pi
  *
- * whose integrand is smooth up to where l meets the horizon, at tan h = (s cos phi + sqrt(s^2 cos^2
- * phi + c^2)) / c. GGX: q = t^2 / (t^2 + a^2); Beckmann: q = 1 - exp(-t^2 / m^2). */
+ * whose integrand is smooth up to where l meets the horizon, at tan h = (s cos phi + sqrt(s^2
+ * cos^2 phi + c^2)) / c. GGX: q = t^2 / (t^2 + a^2); Beckmann: q = 1 - exp(-t^2 / m^2). */
 
 static const double pi = 3.14159265358979323846;
 enum { radii = 32, angles = 64 };
-
-static double q_of_tan(const ncr_microfacet *m, double t)
-{
-    const double x = t / m->alpha;
-    return m->facets == NCR_FACETS_GGX ? x * x / (1 + x * x) : -expm1(-x * x);
-}
-
-static double tan_of_q(const ncr_microfacet *m, double q)
-{
-    return m->alpha * (m->facets == NCR_FACETS_GGX ? sqrt(q / (1 - q)) : sqrt(fmax(0, -log1p(-q))));
-}
 
 /* One spoke of facets: those of one azimuth, h = (t cos phi, t sin phi, 1) / |..|, v = (s, 0, c).
  * With x = s cos phi, v.h / n.h = c + x t. */
@@ -75,22 +64,53 @@ static int find_panels(const spoke *p, double edge[4])
     return 3;
 }
 
-/* In sqrt q, because the integrand goes with tan h. */
+/* GGX: t = a tan z, so that the tail, which goes with 1/t, is as smooth as the middle. Beckmann: t
+ * itself. */
+double ncr_facets_variable(const ncr_microfacet *m, double t)
+{
+    return m->facets == NCR_FACETS_GGX ? atan(t / m->alpha) : fmin(t, 6.5 * m->alpha);
+}
+
+double ncr_facets_share(const ncr_microfacet *m, double z, double *t)
+{
+    if (m->facets == NCR_FACETS_GGX) {
+        *t = m->alpha * tan(z);
+        return sin(2 * z);
+    }
+    const double x = z / m->alpha;
+    *t = z;
+    return 2 * x / m->alpha * exp(-x * x);
+}
+
 static void add_panel(const spoke *p, double from, double to, const double *node,
                       const double *weight, ncr_albedo *sum)
 {
-    const double low = sqrt(q_of_tan(p->m, from)), high = sqrt(q_of_tan(p->m, to));
+    const double low = ncr_facets_variable(p->m, from), high = ncr_facets_variable(p->m, to);
     for (int i = 0; i < radii; i++) {
-        const double y = 0.5 * (low + high + (high - low) * node[i]), t = tan_of_q(p->m, y * y);
+        double t;
+        const double dq = ncr_facets_share(p->m, 0.5 * (low + high + (high - low) * node[i]), &t);
         const double n_h = 1 / sqrt(1 + t * t), v_h = n_h * (p->c + p->x * t);
         const double n_l = cos_light(p, t);
         if (!(n_l > 0) || !(v_h > 0))
             continue;
-        const double part = (high - low) * weight[i] * y / angles *
+        const double part = 0.5 * (high - low) * weight[i] * dq / angles *
                             ncr_microfacet_shadow(p->m, p->c, n_l, n_h, v_h) * v_h / n_h;
         const double schlick = pow(1 - fmin(v_h, 1), 5);
         sum->scale += part * (1 - schlick);
         sum->bias += part * schlick;
+    }
+}
+
+/* A panel, cut in two between the scales of the facets and of the horizon. */
+static void add_panels(const spoke *p, double from, double to, const double *node,
+                       const double *weight, ncr_albedo *sum)
+{
+    const double middle = sqrt(p->m->alpha);
+    if (p->m->alpha < 0.5 && from < middle && middle < to) {
+        add_panel(p, from, middle, node, weight, sum);
+        add_panel(p, middle, to, node, weight, sum);
+    } else {
+        add_panel(p, from, to, node, weight, sum);
     }
 }
 
@@ -105,7 +125,7 @@ ncr_albedo ncr_microfacet_albedo(const ncr_microfacet *m, double cos_v)
         double edge[4];
         const int panels = find_panels(&p, edge);
         for (int k = 0; k < panels; k++)
-            add_panel(&p, edge[k], edge[k + 1], node, weight, &sum);
+            add_panels(&p, edge[k], edge[k + 1], node, weight, &sum);
     }
     return sum;
 }

@@ -12,4 +12,9 @@ double ncr_microfacet_spread(const ncr_microfacet *m, double c);
 double ncr_microfacet_shadow(const ncr_microfacet *m, double n_v, double n_l, double n_h,
                              double v_h);
 
+/* A variable in which integrals over facets are smooth, of the tangent t of a facet's angle; and
+ * dq/dz, where dq dphi / 2 pi = D (n.h) dh, with its t. */
+double ncr_facets_variable(const ncr_microfacet *m, double t);
+double ncr_facets_share(const ncr_microfacet *m, double z, double *t);
+
 #endif

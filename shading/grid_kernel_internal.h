@@ -39,11 +39,11 @@ static void find_places(const ncr_sphere_grid *grid, size_t count, const ncr_vec
         const ncr_vec3 d = directions[k < count ? k : 0];
         x[k] = d.x, y[k] = d.y, z[k] = d.z;
     }
-    const float tall = (float)grid->height * 0.318309886f, wide = (float)grid->width * 0.159154943f;
+    const float wide = (float)grid->width * 0.159154943f;
     for (size_t k = 0; k < NCR_GRID_BATCH; k++) {
         const float across = sqrtf(x[k] * x[k] + y[k] * y[k]);
         const float phi = angle_of(fabsf(y[k]), across > 0 ? x[k] : 1);
-        out->y[k] = angle_of(across, z[k]) * tall - 0.5f;
+        out->y[k] = ncr_grid_row(grid, angle_of(across, z[k]));
         out->x[k] = (y[k] < 0 ? 6.28318531f - phi : phi) * wide - 0.5f;
     }
 }
@@ -57,36 +57,87 @@ ALWAYS vf polynomial(const float *coefficient, size_t stride, vf s)
     return sum;
 }
 
+/* What one direction's neighbours weigh. */
+typedef struct grid_weights {
+    size_t offset; /* of the first texel, in floats */
+    vf wide[4 * NCR_GRID_TAPS / LANES];
+    float tall[16];
+} grid_weights;
+
+ALWAYS void weigh(const ncr_sphere_grid *grid, float x, float y, grid_weights *out)
+{
+    enum { row = 4 * NCR_GRID_TAPS, parts = row / LANES };
+    const float left = floorf(x), top = floorf(y);
+    const vf sx = vf_all(2 * (x - left) - 1), sy = vf_all(2 * (y - top) - 1);
+    /* Texel left - 3 is NCR_GRID_BORDER - 3 from the corner. */
+    out->offset = (size_t)((int)top + 1) * grid->stride + (size_t)((int)left + 1) * 4;
+    for (int i = 0; i < NCR_GRID_TAPS; i += LANES)
+        vf_store(out->tall + i, polynomial(grid->tall + i, 16, sy));
+    for (int j = 0; j < parts; j++)
+        out->wide[j] = polynomial(grid->wide + j * LANES, row, sx);
+}
+
 /* Rows are blended first, eight texels of four channels at once, then the texels. */
 static void sample_grid(const ncr_sphere_grid *grid, size_t count, const ncr_vec3 *directions,
                         float *out)
 {
-    enum { row = 4 * NCR_GRID_TAPS, parts = row / LANES };
+    enum { parts = 4 * NCR_GRID_TAPS / LANES };
     grid_places places;
     find_places(grid, count, directions, &places);
     for (size_t k = 0; k < count; k++) {
-        const float left = floorf(places.x[k]), top = floorf(places.y[k]);
-        const vf sx = vf_all(2 * (places.x[k] - left) - 1),
-                 sy = vf_all(2 * (places.y[k] - top) - 1);
-        /* Texel left - 3 is NCR_GRID_BORDER - 3 from the corner. */
-        const float *at =
-            grid->data + (size_t)((int)top + 1) * grid->stride + (size_t)((int)left + 1) * 4;
-        float tall[16];
-        vf sum[parts] = {{0}};
-        for (int i = 0; i < NCR_GRID_TAPS; i += LANES)
-            vf_store(tall + i, polynomial(grid->tall + i, 16, sy));
+        grid_weights w;
+        weigh(grid, places.x[k], places.y[k], &w);
+        const float *at = grid->data + w.offset;
+        vf sum[parts] = {{0}}, total = {0};
         for (int i = 0; i < NCR_GRID_TAPS; i++, at += grid->stride)
             for (int j = 0; j < parts; j++)
-                sum[j] = vf_mad(vf_all(tall[i]), vf_load(at + j * LANES), sum[j]);
-        vf total = {0};
+                sum[j] = vf_mad(vf_all(w.tall[i]), vf_load(at + j * LANES), sum[j]);
         for (int j = 0; j < parts; j++)
-            total = vf_mad(polynomial(grid->wide + j * LANES, row, sx), sum[j], total);
+            total = vf_mad(w.wide[j], sum[j], total);
         for (int c = 0; c < 4; c++) {
             float value = 0;
             for (int i = c; i < LANES; i += 4)
                 value += total[i];
             out[4 * k + (size_t)c] = value;
         }
+    }
+}
+
+static void scatter_grid(const ncr_sphere_grid *grid, float *data, size_t count,
+                         const ncr_vec3 *directions, const float *values)
+{
+    enum { parts = 4 * NCR_GRID_TAPS / LANES };
+    grid_places places;
+    find_places(grid, count, directions, &places);
+    for (size_t k = 0; k < count; k++) {
+        grid_weights w;
+        float four[LANES];
+        weigh(grid, places.x[k], places.y[k], &w);
+        for (int i = 0; i < LANES; i++)
+            four[i] = values[4 * k + (size_t)(i % 4)];
+        for (int j = 0; j < parts; j++)
+            w.wide[j] *= vf_load(four);
+        float *at = data + w.offset;
+        for (int i = 0; i < NCR_GRID_TAPS; i++, at += grid->stride)
+            for (int j = 0; j < parts; j++)
+                vf_store(at + j * LANES,
+                         vf_mad(vf_all(w.tall[i]), w.wide[j], vf_load(at + j * LANES)));
+    }
+}
+
+static void dot_rows(size_t count, const float *matrix, size_t columns, size_t stride,
+                     const float *vectors, float *out)
+{
+    vf sum[8] = {{0}};
+    for (size_t i = 0; i < count; i += LANES) {
+        const vf m = vf_load(matrix + i);
+        for (size_t k = 0; k < columns; k++)
+            sum[k] = vf_mad(m, vf_load(vectors + k * stride + i), sum[k]);
+    }
+    for (size_t k = 0; k < columns; k++) {
+        out[k] = 0;
+        for (int i = 0; i < LANES; i++)
+            out[k] += sum[k][i];
     }
 }
 

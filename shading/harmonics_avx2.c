@@ -1,4 +1,5 @@
 /* SPDX-License-Identifier: MIT */
+#include "shading/facet_kernel_internal.h"
 #include "shading/grid_kernel_internal.h"
 #include "shading/legendre_kernel_internal.h"
 #include "shading/rows_kernel_internal.h"
@@ -13,4 +14,7 @@ const ncr_sht_kernels ncr_sht_avx2 = {
     .analyse_order = analyse_order,
     .synthesise_order = synthesise_order,
     .sample_grid = sample_grid,
+    .scatter_grid = scatter_grid,
+    .facet_row = facet_row,
+    .dot_rows = dot_rows,
 };

@@ -49,6 +49,14 @@ typedef struct ncr_ring_set {
     const double *x, *s; /* cos and sin of theta */
 } ncr_ring_set;
 
+/* Half-vectors of one ring about the eye, seen from normals of another: GGX, or Beckmann with
+ * V-cavities. With lift = 1 - cos(azimuth between them), 1 - n.h = near + across lift. */
+typedef struct ncr_facet_ring {
+    bool beckmann, cavity;
+    float alpha, v_h, n_v, near, across;
+    float fresnel, spread_v; /* F(v.h); Smith's n.v (1 + 2 Lambda) */
+} ncr_facet_ring;
+
 typedef struct ncr_sht_kernels {
     uint32_t lanes; /* row pairs per call of the row kernels; ring data comes in vectors of half
                        as many doubles: data[ring / (lanes/2)][2 columns][ring % (lanes/2)] */
@@ -77,6 +85,19 @@ typedef struct ncr_sht_kernels {
     /* Values of a grid in count <= NCR_GRID_BATCH directions: out[count][4]. */
     void (*sample_grid)(const ncr_sphere_grid *grid, size_t count, const ncr_vec3 *directions,
                         float *out);
+
+    /* Add count <= NCR_GRID_BATCH values of four channels to a grid, each to the neighbours that
+     * sample_grid would take it from. */
+    void (*scatter_grid)(const ncr_sphere_grid *grid, float *data, size_t count,
+                         const ncr_vec3 *directions, const float *values);
+
+    /* F D G / (4 n.v) at `count` azimuths. */
+    void (*facet_row)(const ncr_facet_ring *ring, size_t count, const float *lift, float *out);
+
+    /* out[k] = sum over i < count of matrix[i] vector[k][i], k < columns <= 8; count a multiple of
+     * NCR_WIDEST, vectors `stride` floats apart. */
+    void (*dot_rows)(size_t count, const float *matrix, size_t columns, size_t stride,
+                     const float *vectors, float *out);
 } ncr_sht_kernels;
 
 /* Floats of scratch that the row kernels need for one set, at any number of lanes. */

@@ -55,15 +55,14 @@ static void fit_weights(const ncr_taps_solver *solver, double out[NCR_GRID_TERMS
     }
 }
 
-enum { wide_floats = NCR_GRID_TERMS * 4 * NCR_GRID_TAPS, tall_floats = NCR_GRID_TERMS * 16 };
-
-static void fill_weights(float *wide, float *tall)
+void ncr_grid_weights_fill(float *wide)
 {
+    float *tall = wide + NCR_GRID_WIDE_FLOATS;
     double c[NCR_GRID_TERMS][NCR_GRID_TAPS];
     ncr_taps_solver solver;
     ncr_taps_prepare(NCR_GRID_TAPS, grid_band, grid_emphasis, &solver);
     fit_weights(&solver, c);
-    memset(tall, 0, tall_floats * sizeof *tall);
+    memset(tall, 0, NCR_GRID_TALL_FLOATS * sizeof *tall);
     for (int i = 0; i < NCR_GRID_TERMS; i++) {
         for (int k = 0; k < NCR_GRID_TAPS; k++) {
             tall[i * 16 + k] = (float)c[i][k];
@@ -151,18 +150,19 @@ static ncr_status fill_grid(const ncr_ctx *ctx, const ncr_prefilter *p, const nc
     ncr_status status = fill_texels(ctx, p, filter, height, &g->texels);
     if (status)
         return status;
-    g->weights = ncr_alloc(ctx, (wide_floats + tall_floats) * sizeof *g->weights);
+    g->weights = ncr_alloc(ctx, (NCR_GRID_WIDE_FLOATS + NCR_GRID_TALL_FLOATS) * sizeof *g->weights);
     if (!g->weights)
         return NCR_E_NOMEM;
-    fill_weights(g->weights, g->weights + wide_floats);
+    ncr_grid_weights_fill(g->weights);
     g->channels = p->harmonics.channels;
     g->clamp = opts && opts->positivity == NCR_POSITIVITY_CLAMP;
     g->grid = (ncr_sphere_grid){.width = 2 * height,
-                                .height = height,
+                                .per_radian = (float)(height / pi),
+                                .bend_at = 4,
                                 .stride = (size_t)g->texels.width * 4,
                                 .data = g->texels.data,
                                 .wide = g->weights,
-                                .tall = g->weights + wide_floats};
+                                .tall = g->weights + NCR_GRID_WIDE_FLOATS};
     if (p->light_count && !(opts && opts->lights_off)) {
         status = ncr_light_responses(ctx, p, lobe, filter->integral, &g->lights);
         g->light_count = p->light_count;

@@ -50,13 +50,34 @@ void ncr_light_add(const ncr_light_response *light, ncr_vec3 d, uint32_t channel
 
 /* A map on a grid of texels of four floats, `border` texels over at each side. */
 typedef struct ncr_sphere_grid {
-    uint32_t width, height; /* without the border */
-    size_t stride;          /* floats from row to row */
-    const float *data;      /* of the texel in the border's corner */
-    const float *wide;      /* [NCR_GRID_TERMS][32]: coefficients of the 8 weights, each 4 times */
-    const float *tall;      /* [NCR_GRID_TERMS][16]: the same once, then zeros */
+    uint32_t width;                  /* without the border */
+    float per_radian, bend, bend_at; /* where rows lie: ncr_grid_row */
+    size_t stride;                   /* floats from row to row */
+    const float *data;               /* of the texel in the border's corner */
+    const float *wide; /* [NCR_GRID_TERMS][32]: coefficients of the 8 weights, each 4 times */
+    const float *tall; /* [NCR_GRID_TERMS][16]: the same once, then zeros */
 } ncr_sphere_grid;
 
-enum { NCR_GRID_TAPS = 8, NCR_GRID_BORDER = 4, NCR_GRID_TERMS = 10, NCR_GRID_BATCH = 64 };
+/* The row of polar angle t. Even rows: per_radian t - 1/2. With a bend they crowd toward the
+ * equator, where functions of grazing light change fastest: rows go with
+ *     t + b end - b x / (x + at),    x = pi/2 - t >= 0,  end = (pi/2) / (pi/2 + at) */
+static inline float ncr_grid_row(const ncr_sphere_grid *grid, float t)
+{
+    const float x = 1.57079633f - t, at = grid->bend_at;
+    const float end = 1.57079633f / (1.57079633f + at);
+    return grid->per_radian * (t + grid->bend * (end - x / (x + at))) - 0.5f;
+}
+
+enum {
+    NCR_GRID_TAPS = 8,
+    NCR_GRID_BORDER = 4,
+    NCR_GRID_TERMS = 10,
+    NCR_GRID_BATCH = 64,
+    NCR_GRID_WIDE_FLOATS = NCR_GRID_TERMS * 4 * NCR_GRID_TAPS,
+    NCR_GRID_TALL_FLOATS = NCR_GRID_TERMS * 16,
+};
+
+/* The weights of a grid: NCR_GRID_WIDE_FLOATS, then NCR_GRID_TALL_FLOATS. */
+void ncr_grid_weights_fill(float *weights);
 
 #endif

@@ -392,7 +392,7 @@ static void every_processor_samples_a_grid_alike(void **state)
     for (size_t k = 0; k < sizeof wide / sizeof *wide; k++)
         wide[k] = (float)ncr_uniform(k / 4, 5);
     const ncr_sphere_grid grid = {
-        .width = 20, .height = 10, .stride = 28 * 4, .data = data, .wide = wide, .tall = tall};
+        .width = 20, .per_radian = (float)(10 / pi), .bend_at = 4, .stride = 28 * 4, .data = data, .wide = wide, .tall = tall};
     for (uint64_t k = 0; k < NCR_GRID_BATCH; k++) {
         double at[3];
         random_direction(k, at);

@@ -1,0 +1,42 @@
+/* SPDX-License-Identifier: MIT
+ * fixed_view_internal.h - the eye's frame: z is the direction to the eye. */
+#ifndef NCR_SHADING_FIXED_VIEW_INTERNAL_H
+#define NCR_SHADING_FIXED_VIEW_INTERNAL_H
+
+#include "shading/fixed_view.h"
+#include "shading/harmonics_kernel_internal.h"
+
+/* Normals n and half-vectors h both stand on `rows` rings about the eye, `width` places on each,
+ * as `grid` says: evenly, but closer and closer toward the horizon. */
+struct ncr_fixed_view {
+    ncr_gloss gloss;
+    bool sharp; /* no tables: facets are summed */
+    uint32_t rows, width, orders;
+    uint32_t padded; /* rows, rounded up to NCR_WIDEST */
+    ncr_fft fft;
+    float *matrix;  /* [row of n][order][padded row of h] */
+    float *weights; /* of 8 neighbours */
+    ncr_sphere_grid grid;
+};
+
+/* Rings of so many channels, for the row kernels, and the size of their spectrum. */
+ncr_row_set ncr_fixed_view_rows(const ncr_fixed_view *fixed, uint32_t channels);
+size_t ncr_fixed_view_spectrum(const ncr_row_set *set);
+
+/* An orthonormal frame: axis[2] is the eye. */
+typedef struct ncr_eye_frame {
+    float axis[3][3];
+} ncr_eye_frame;
+
+ncr_eye_frame ncr_eye_frame_of(ncr_vec3 view);
+
+/* Add up the texels of a map at their half-vectors: rows[row][column][channel], cleared first. */
+ncr_status ncr_fixed_view_gather(const ncr_ctx *ctx, const ncr_fixed_view *fixed,
+                                 const ncr_image *map, const ncr_eye_frame *frame, float *rows);
+
+/* The sharp path: facets summed for each normal. */
+ncr_status ncr_fixed_view_facets(const ncr_ctx *ctx, const ncr_fixed_view *fixed,
+                                 const ncr_image *map, const ncr_eye_frame *frame, size_t count,
+                                 const ncr_vec3 *normals, float *out);
+
+#endif

@@ -1,0 +1,198 @@
+/* SPDX-License-Identifier: MIT */
+#include "core/vec_internal.h"
+#include "shading/fixed_view_internal.h"
+
+#include <math.h>
+#include <string.h>
+
+/* One view: light is brought to half-vectors, transformed along each ring, multiplied by the matrix
+ * of its frequency, transformed back, and looked up at the normals. */
+
+static const double pi = 3.14159265358979323846;
+
+ncr_eye_frame ncr_eye_frame_of(ncr_vec3 view)
+{
+    const ncr_vec3 z = v_unit(view);
+    ncr_vec3 x, y;
+    v_basis(z, &x, &y);
+    return (ncr_eye_frame){{{x.x, x.y, x.z}, {y.x, y.y, y.z}, {z.x, z.y, z.z}}};
+}
+
+typedef struct render_job {
+    const ncr_fixed_view *fixed;
+    ncr_row_set set;
+    uint32_t channels;
+    float *vectors; /* [order][2 channels][padded] light by half-vector; */
+    float *scratch;
+    size_t scratch_floats;
+    const ncr_eye_frame *frame;
+    const ncr_vec3 *normals;
+    float *out;
+} render_job;
+
+static void transform_light(size_t first, size_t past, unsigned worker, void *arg)
+{
+    const render_job *job = arg;
+    const ncr_sht_kernels *kernels = ncr_sht_kernels_get();
+    for (size_t k = first; k < past; k++)
+        kernels->rows_to_spectrum(&job->set, (uint32_t)k * kernels->lanes,
+                                  job->scratch + worker * job->scratch_floats);
+}
+
+static void transform_back(size_t first, size_t past, unsigned worker, void *arg)
+{
+    const render_job *job = arg;
+    const ncr_sht_kernels *kernels = ncr_sht_kernels_get();
+    for (size_t k = first; k < past; k++)
+        kernels->spectrum_to_rows(&job->set, (uint32_t)k * kernels->lanes,
+                                  job->scratch + worker * job->scratch_floats);
+}
+
+/* One order: rings of light out of their pairs, times the matrix, back into pairs. */
+static void multiply_orders(size_t first, size_t past, unsigned worker, void *arg)
+{
+    const render_job *job = arg;
+    const ncr_fixed_view *f = job->fixed;
+    const ncr_sht_kernels *kernels = ncr_sht_kernels_get();
+    const size_t columns = 2 * job->channels, padded = f->padded, rows = f->rows;
+    (void)worker;
+    for (size_t m = first; m < past; m++) {
+        float *spectrum = job->set.spectrum + m * 2 * columns * job->set.padded;
+        float *light = job->vectors + m * columns * padded, got[8];
+        for (size_t k = 0; k < columns; k++) {
+            float *sum = spectrum + k * job->set.padded;
+            const float *difference = sum + columns * job->set.padded;
+            memset(light + k * padded, 0, padded * sizeof *light);
+            for (size_t q = 0; q < job->set.pairs; q++) {
+                light[k * padded + q] = 0.5f * (sum[q] + difference[q]);
+                light[k * padded + rows - 1 - q] = 0.5f * (sum[q] - difference[q]);
+            }
+            memset(sum, 0, job->set.padded * sizeof *sum);
+            memset(sum + columns * job->set.padded, 0, job->set.padded * sizeof *sum);
+        }
+        for (size_t i = 0; i < rows; i++) {
+            const bool below = i >= job->set.pairs;
+            const size_t q = below ? rows - 1 - i : i;
+            kernels->dot_rows(padded, f->matrix + (i * f->orders + m) * padded, columns, padded,
+                              light, got);
+            /* The ring in the middle of an odd number is its own mirror image. */
+            const float share = rows - 1 - i == i ? 1.0f : 0.5f;
+            for (size_t k = 0; k < columns; k++) {
+                spectrum[k * job->set.padded + q] += share * got[k];
+                if (share < 1)
+                    spectrum[(columns + k) * job->set.padded + q] +=
+                        below ? -share * got[k] : share * got[k];
+            }
+        }
+    }
+}
+
+/* --- between rings ---------------------------------------------------------------------------- */
+
+enum { neighbours = 6 };
+
+/* Lagrange's polynomial through 6 rows or columns from `first` on, at x. */
+static void lagrange(double x, int first, float *weight)
+{
+    for (int i = 0; i < neighbours; i++) {
+        double w = 1;
+        for (int j = 0; j < neighbours; j++)
+            if (j != i)
+                w *= (x - (first + j)) / (i - j);
+        weight[i] = (float)w;
+    }
+}
+
+/* The value at a normal of the eye's frame. Rows beyond the eye are those half a turn away; at the
+ * horizon the last six rows go on. */
+static void value_at(const render_job *job, const double n[3], float *out)
+{
+    const ncr_fixed_view *f = job->fixed;
+    const int rows = (int)f->rows, width = (int)f->width, channels = (int)job->channels;
+    const double y = (double)ncr_grid_row(&f->grid, (float)atan2(hypot(n[0], n[1]), n[2]));
+    const double x = atan2(n[1], n[0]) * width / (2 * pi) - 0.5;
+    const int left = (int)floor(x) - (neighbours / 2 - 1), above = (int)floor(y);
+    const int last = rows - neighbours;
+    const int top = above - (neighbours / 2 - 1) < last ? above - (neighbours / 2 - 1) : last;
+    float across[neighbours], down[neighbours];
+    lagrange(x, left, across);
+    lagrange(y, top, down);
+    for (int c = 0; c < channels; c++)
+        out[c] = 0;
+    for (int i = 0; i < neighbours; i++) {
+        const int row = top + i < 0 ? -1 - (top + i) : top + i;
+        const int turn = top + i < 0 ? width / 2 : 0;
+        for (int j = 0; j < neighbours; j++) {
+            const int column = (left + j + turn + 2 * width) % width;
+            const float *at =
+                job->set.data + ((size_t)row * (size_t)width + (size_t)column) * (size_t)channels;
+            for (int c = 0; c < channels; c++)
+                out[c] += down[i] * across[j] * at[c];
+        }
+    }
+}
+
+static void look_up(size_t first, size_t past, unsigned worker, void *arg)
+{
+    const render_job *job = arg;
+    (void)worker;
+    for (size_t k = first; k < past; k++) {
+        const ncr_vec3 at = job->normals[k];
+        float *out = job->out + k * job->channels;
+        double n[3];
+        for (int i = 0; i < 3; i++) {
+            const float *axis = job->frame->axis[i];
+            n[i] = (double)axis[0] * (double)at.x + (double)axis[1] * (double)at.y +
+                   (double)axis[2] * (double)at.z;
+        }
+        if (n[2] > 0)
+            value_at(job, n, out);
+        else
+            memset(out, 0, job->channels * sizeof *out);
+    }
+}
+
+static ncr_status render(const ncr_ctx *ctx, render_job *job, const ncr_image *map, size_t count)
+{
+    const ncr_fixed_view *f = job->fixed;
+    const uint32_t lanes = ncr_sht_kernels_get()->lanes;
+    const size_t batches = (job->set.pairs + lanes - 1) / lanes;
+    ncr_status status = ncr_fixed_view_gather(ctx, f, map, job->frame, job->set.data);
+    if (!status)
+        status = ncr_parallel_for(ctx, batches, 1, transform_light, job);
+    if (!status)
+        status = ncr_parallel_for(ctx, f->orders, 4, multiply_orders, job);
+    if (!status)
+        status = ncr_parallel_for(ctx, batches, 1, transform_back, job);
+    return status ? status : ncr_parallel_for(ctx, count, 256, look_up, job);
+}
+
+ncr_status ncr_fixed_view_render(const ncr_ctx *ctx, const ncr_fixed_view *f, const ncr_image *map,
+                                 ncr_vec3 view, size_t count, const ncr_vec3 *normals, float *out)
+{
+    if (map->width == 0 || map->height == 0 || map->channels < 1 || map->channels > 4)
+        return ncr_fail(ctx, NCR_E_ARG, "fixed view: a %ux%u map of %u channels", map->width,
+                        map->height, map->channels);
+    const ncr_eye_frame frame = ncr_eye_frame_of(view);
+    if (f->sharp)
+        return ncr_fixed_view_facets(ctx, f, map, &frame, count, normals, out);
+    render_job job = {.fixed = f,
+                      .set = ncr_fixed_view_rows(f, map->channels),
+                      .channels = map->channels,
+                      .frame = &frame,
+                      .normals = normals,
+                      .out = out};
+    job.scratch_floats = ncr_row_scratch(&job.set);
+    job.scratch = ncr_alloc(ctx, ncr_ctx_workers(ctx) * job.scratch_floats * sizeof(float));
+    job.set.spectrum = ncr_alloc_zero(ctx, ncr_fixed_view_spectrum(&job.set), sizeof(float));
+    job.set.data = ncr_alloc(ctx, (size_t)f->rows * f->width * map->channels * sizeof(float));
+    job.vectors = ncr_alloc(ctx, (size_t)f->orders * 2 * map->channels * f->padded * sizeof(float));
+    ncr_status status = NCR_E_NOMEM;
+    if (job.scratch && job.set.spectrum && job.set.data && job.vectors)
+        status = render(ctx, &job, map, count);
+    ncr_free(ctx, job.scratch);
+    ncr_free(ctx, job.set.spectrum);
+    ncr_free(ctx, job.set.data);
+    ncr_free(ctx, job.vectors);
+    return status;
+}
