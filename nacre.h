@@ -17,6 +17,7 @@
 #include "geometry/surface.h"
 #include "io/field_file.h"
 #include "io/image_file.h"
+#include "io/map_file.h"
 #include "io/patch_file.h"
 #include "io/scene_file.h"
 #include "sampling/placement.h"

@@ -22,6 +22,12 @@ ncr_status ncr_exr_write(const ncr_ctx *ctx, const char *path, const ncr_image *
     return refuse(ctx, path);
 }
 
+ncr_status ncr_exr_read_notes(const ncr_ctx *ctx, const char *path, ncr_image_notes *out)
+{
+    (void)out;
+    return refuse(ctx, path);
+}
+
 ncr_status ncr_radiance_read(const ncr_ctx *ctx, const char *path,
                              const ncr_field_manifest *manifest, ncr_lightfield **out)
 {

@@ -322,6 +322,10 @@ static ncr_status write_header(ncr_exr_stream *s, const ncr_image *image,
                                                      (int32_t)image->height, EXR_COMPRESSION_ZIP);
     if (result == EXR_ERR_SUCCESS && opts->comment && *opts->comment)
         result = exr_attr_set_string(s->exr, part, "comments", opts->comment);
+    if (result == EXR_ERR_SUCCESS && opts->envmap)
+        result = exr_attr_set_envmap(s->exr, part, "envmap",
+                                     opts->envmap == NCR_ENVMAP_CUBE ? EXR_ENVMAP_CUBE
+                                                                     : EXR_ENVMAP_LATLONG);
     for (uint32_t k = 0; k < image->channels && result == EXR_ERR_SUCCESS; k++)
         result = exr_add_channel(s->exr, part, names[image->channels - 1][k], type,
                                  EXR_PERCEPTUALLY_LOGARITHMIC, 1, 1);

@@ -9,12 +9,20 @@ NCR_BEGIN
 
 enum { NCR_IMAGE_FILE_MAX_PIXELS = 1 << 28 }; /* a file that says more is not read */
 
+/** What an OpenEXR file says that it is in its `envmap` attribute. */
+typedef enum ncr_envmap {
+    NCR_ENVMAP_NONE = 0,
+    NCR_ENVMAP_LATLONG,
+    NCR_ENVMAP_CUBE,
+} ncr_envmap;
+
 /** How linear values become file values. */
 typedef struct ncr_image_write_opts {
     size_t struct_size;
     double exposure;     /* PNG only: factor before clip and sRGB curve; 0: 1 */
     bool half;           /* EXR only: store halves (values past 65504 fail with NCR_E_LIMIT) */
     const char *comment; /* stored as text where the format has a place; may be NULL */
+    ncr_envmap envmap;   /* EXR only */
 } ncr_image_write_opts;
 
 /**
@@ -50,6 +58,17 @@ NCR_API ncr_status ncr_image_write(const ncr_ctx *ctx, const char *path, const n
  */
 NCR_API ncr_status ncr_image_read(const ncr_ctx *ctx, const char *path, ncr_image *out,
                                   uint64_t *nonfinite);
+
+enum { NCR_IMAGE_COMMENT = 1024 };
+
+/** What a file says about its image beside the pixels. */
+typedef struct ncr_image_notes {
+    char comment[NCR_IMAGE_COMMENT]; /* the text that ncr_image_write stored, cut to fit; "" */
+    ncr_envmap envmap;               /* EXR only */
+} ncr_image_notes;
+
+/** Read the notes of an image file. NCR_E_IO, NCR_E_FORMAT, NCR_E_BACKEND, NCR_E_NOMEM. */
+NCR_API ncr_status ncr_image_read_notes(const ncr_ctx *ctx, const char *path, ncr_image_notes *out);
 
 /** 16-bit PNG of 1, 2, 3 or 4 channels, as raw integers: rows from the top. */
 NCR_API ncr_status ncr_png16_write(const ncr_ctx *ctx, const char *path, uint32_t width,

@@ -14,6 +14,9 @@ ncr_status ncr_exr_read(const ncr_ctx *ctx, const char *path, ncr_image *out);
 ncr_status ncr_exr_write(const ncr_ctx *ctx, const char *path, const ncr_image *image,
                          const ncr_image_write_opts *opts);
 
+/** Comment and envmap attributes of the first part; *out is empty before. */
+ncr_status ncr_exr_read_notes(const ncr_ctx *ctx, const char *path, ncr_image_notes *out);
+
 /** The DWAA and DWAB compressions, which the C library leaves to the C++ one: fill `out`, already
  *  of the size of part `part`'s data window, from channels name[0 .. out->channels). */
 ncr_status ncr_exr_dwa_read(const ncr_ctx *ctx, const char *path, int part, const char *const *name,
