@@ -1,0 +1,234 @@
+/* SPDX-License-Identifier: MIT
+ * verb_env.c - nacre env: directional maps from kind to kind and convention to convention. */
+#include "apps/map_words.h"
+#include "apps/verbs.h"
+
+#include <math.h>
+#include <string.h>
+
+typedef struct env_options {
+    app common;
+    const char *in, *out, *to, *from, *convention, *from_up, *up;
+    uint32_t size;
+    double exposure;
+    bool chart, half;
+} env_options;
+
+/* Everything a conversion holds; closed as one. */
+typedef struct env_job {
+    const env_options *o;
+    ncr_map_stated as; /* how the result is laid out */
+    ncr_map_file_report read;
+    ncr_directional_map in, out;
+    double energy_in[NCR_MAP_CHANNELS], energy_out[NCR_MAP_CHANNELS];
+    double seconds[3]; /* read, convert, write */
+} env_job;
+
+/* The power of two with about as many texels, unless the kind stays. */
+static uint32_t fitting_size(const ncr_directional_map *in, ncr_map_kind kind)
+{
+    if (in->kind == kind)
+        return in->size;
+    const double per_square =
+        (double)ncr_map_part_count(kind) * ncr_map_part_width(kind, 1024) / 1024.0;
+    const double texels = (double)in->image.width * in->image.height;
+    const double size = exp2(nearbyint(0.5 * log2(texels / per_square)));
+    return size < 1 ? 1 : size > NCR_MAP_SIZE_MAX ? NCR_MAP_SIZE_MAX : (uint32_t)size;
+}
+
+static ncr_status read_map(env_job *job)
+{
+    const env_options *o = job->o;
+    const app *a = &o->common;
+    ncr_map_stated as;
+    ncr_status status = map_from_word(a, o->from, o->in, &as.convention);
+    if (status == NCR_OK)
+        status = map_up_word(a, "--from-up", o->from_up, &as.world);
+    if (status == NCR_OK && !as.convention) {
+        status = ncr_map_file_stated(&a->ctx, o->in, &as);
+        if (status == NCR_OK && !as.convention)
+            return ncr_fail(
+                &a->ctx, NCR_E_ARG,
+                "%s: does not say how it lies: name its convention with --from, such as "
+                "usd for a panorama with y up (docs/maps.md lists them)",
+                o->in);
+    }
+    return status == NCR_OK ? ncr_map_file_read(&a->ctx, o->in, as, &job->in, &job->read) : status;
+}
+
+static ncr_status make_output(env_job *job, uint32_t size)
+{
+    const app *a = &job->o->common;
+    const ncr_status status =
+        ncr_directional_map_init(&a->ctx, job->as.convention->kind, size, 3, &job->out);
+    job->out.axes = ncr_axes_then(job->as.world, job->as.convention->axes);
+    return status;
+}
+
+static ncr_status convert(env_job *job)
+{
+    const app *a = &job->o->common;
+    const uint32_t size = job->o->size;
+    ncr_status status =
+        make_output(job, size ? size : fitting_size(&job->in, job->as.convention->kind));
+    if (status == NCR_OK)
+        status = ncr_directional_map_convert(&a->ctx, &job->in, &job->out);
+    if (status == NCR_OK) {
+        ncr_directional_map_integral(&job->in, job->energy_in);
+        ncr_directional_map_integral(&job->out, job->energy_out);
+    }
+    return status;
+}
+
+/* Edges of letters are sampled four times each way. */
+static ncr_status draw_chart(env_job *job)
+{
+    const app *a = &job->o->common;
+    ncr_status status = make_output(job, job->o->size ? job->o->size : 256);
+    if (status == NCR_OK)
+        status = ncr_directional_map_fill(&a->ctx, &job->out, 0.5 / job->out.size,
+                                          ncr_orientation_chart, NULL);
+    if (status == NCR_OK) {
+        ncr_directional_map_integral(&job->out, job->energy_out);
+        memcpy(job->energy_in, job->energy_out, sizeof job->energy_in);
+    }
+    return status;
+}
+
+static ncr_status write_map(env_job *job)
+{
+    const env_options *o = job->o;
+    return ncr_map_file_write(
+        &o->common.ctx, o->out, &job->out,
+        NCR_OPTS(ncr_map_file_opts, .as = job->as, .half = o->half, .exposure = o->exposure));
+}
+
+static ncr_status timed(double *seconds, ncr_status (*step)(env_job *job), env_job *job)
+{
+    const double began = app_seconds();
+    const ncr_status status = step(job);
+    *seconds = app_seconds() - began;
+    return status;
+}
+
+static ncr_status run(env_job *job)
+{
+    const env_options *o = job->o;
+    const app *a = &o->common;
+    ncr_map_kind kind;
+    ncr_status status = map_kind_word(a, o->to, &kind);
+    if (status == NCR_OK)
+        status = map_convention_word(a, o->convention, kind, &job->as.convention);
+    if (status == NCR_OK)
+        status = map_up_word(a, "--up", o->up, &job->as.world);
+    if (status == NCR_OK && !o->chart)
+        status = timed(&job->seconds[0], read_map, job);
+    if (status == NCR_OK)
+        status = timed(&job->seconds[1], o->chart ? draw_chart : convert, job);
+    if (status == NCR_OK)
+        status = timed(&job->seconds[2], write_map, job);
+    return status;
+}
+
+/* The largest relative change of any channel's integral. */
+static double energy_change(const env_job *job)
+{
+    double worst = 0;
+    for (int c = 0; c < 3; c++)
+        if (job->energy_in[c] != 0)
+            worst = fmax(worst, fabs(job->energy_out[c] / job->energy_in[c] - 1));
+    return worst;
+}
+
+static void report(const env_job *job)
+{
+    const env_options *o = job->o;
+    const app *a = &o->common;
+    const ncr_convention *c = job->as.convention, *from = job->read.used.convention;
+    if (from)
+        app_say(a, "%s: %s map of size %u by the convention %s: %s", o->in,
+                ncr_map_kind_name(from->kind), job->in.size, from->name, from->says);
+    if (job->read.negative || job->read.nonfinite)
+        app_say(a, "%s: %llu values are negative and kept, %llu were not finite and are now 0",
+                o->in, (unsigned long long)job->read.negative,
+                (unsigned long long)job->read.nonfinite);
+    app_say(a, "%s: %s map of size %u by the convention %s: %s", o->out, ncr_map_kind_name(c->kind),
+            job->out.size, c->name, c->says);
+    if (from)
+        app_say(a, "integral over the sphere changed by %.2g %%", 100 * energy_change(job));
+}
+
+static json_t *side(const ncr_convention *c, uint32_t size)
+{
+    return c ? json_pack("{s:s, s:s, s:i}", "kind", ncr_map_kind_name(c->kind), "convention",
+                         c->name, "size", (int)size)
+             : json_null();
+}
+
+static json_t *describe(const env_job *job)
+{
+    const double *e = job->energy_in, *f = job->energy_out, *t = job->seconds;
+    return json_pack("{s:s, s:o, s:o, s:[f,f,f], s:[f,f,f], s:I, s:I, s:{s:f, s:f, s:f}}", "schema",
+                     "nacre.env/1", "in", side(job->read.used.convention, job->in.size), "out",
+                     side(job->as.convention, job->out.size), "energy_in", e[0], e[1], e[2],
+                     "energy_out", f[0], f[1], f[2], "negative", (json_int_t)job->read.negative,
+                     "nonfinite", (json_int_t)job->read.nonfinite, "seconds", "read", t[0],
+                     "convert", t[1], "write", t[2]);
+}
+
+int verb_env(int argc, char **argv)
+{
+    env_options o = {0};
+    size_t words = 0;
+    const option options[] = {
+        {"--output", 'o', OPTION_TEXT, &o.out, "OUT", "file to write: .exr, .hdr, .png"},
+        {"--to", 0, OPTION_TEXT, &o.to, "KIND",
+         "cube (default), octahedral, latlong, sphere, paraboloid"},
+        {"--size", 0, OPTION_COUNT, &o.size, "N",
+         "texels along a face, or down the map (default: as fine as IN)"},
+        {"--from", 0, OPTION_TEXT, &o.from, "CONVENTION",
+         "how IN lies, or KIND:CONVENTION (default: as IN says)"},
+        {"--convention", 0, OPTION_TEXT, &o.convention, "NAME",
+         "how OUT is to lie: opengl, openexr, oiio, usd, vcross ..."},
+        {"--from-up", 0, OPTION_TEXT, &o.from_up, "AXIS",
+         "which axis is up in IN: z (default) or y"},
+        {"--up", 0, OPTION_TEXT, &o.up, "AXIS", "which axis is to be up in OUT: z (default) or y"},
+        {"--half", 0, OPTION_FLAG, &o.half, NULL, "store EXR as halves"},
+        {"--exposure", 0, OPTION_NUMBER, &o.exposure, "E", "factor for PNG (default 1)"},
+        {"--chart", 0, OPTION_FLAG, &o.chart, NULL,
+         "no IN: draw six labelled faces, to see which way a map lies"},
+        APP_OPTIONS(&o.common),
+    };
+    const command_line line = {
+        .usage = "nacre env IN -o OUT [options]\n       nacre env --chart -o OUT [options]",
+        .summary = "Convert an environment map between kinds and conventions.",
+        .example =
+            "nacre env sunset.hdr --from usd --from-up y -o sunset.exr --to cube --size 256\n"
+            "  nacre env --chart --to latlong --convention usd -o chart.png",
+        .options = options,
+        .word_count = 1,
+        .word_total = &words,
+        .word_names = {"IN"},
+        .words = &o.in,
+    };
+    const parse_result parsed = command_line_parse(&line, argc, argv);
+    if (parsed != PARSE_OK)
+        return parsed == PARSE_HELP ? EXIT_DONE : EXIT_USAGE;
+    if (!words && !o.chart)
+        return command_line_missing("IN");
+    if (!o.out)
+        return command_line_missing("-o OUT");
+    app_begin(&o.common);
+    if (words && o.chart)
+        return app_exit_code(
+            ncr_fail(&o.common.ctx, NCR_E_ARG, "--chart draws its own map and takes no IN"));
+    env_job job = {.o = &o};
+    const ncr_status status = run(&job);
+    if (status == NCR_OK) {
+        report(&job);
+        app_print_json(&o.common, describe(&job));
+    }
+    ncr_directional_map_dispose(&o.common.ctx, &job.in);
+    ncr_directional_map_dispose(&o.common.ctx, &job.out);
+    return app_exit_code(status);
+}
