@@ -127,6 +127,27 @@ static ncr_status describe_patches(const info_options *o, json_t *out)
     return NCR_OK;
 }
 
+/* What a map file says of how it lies; an image that says nothing is not guessed at. */
+static void describe_map(const info_options *o, json_t *out)
+{
+    static const char *const spelled[] = {"-z", "-y", "-x", "", "+x", "+y", "+z"};
+    const app *a = &o->common;
+    ncr_map_stated stated;
+    if (ncr_map_file_stated(&a->ctx, o->file, &stated) != NCR_OK || !stated.convention)
+        return;
+    const ncr_convention *c = stated.convention;
+    const ncr_axes w = ncr_axes_then(stated.world, (ncr_axes){{0}});
+    const char *axes[3];
+    for (int k = 0; k < 3; k++)
+        axes[k] = spelled[w.row[k] + 3];
+    app_say(a, "%s map by the convention %s: %s", ncr_map_kind_name(c->kind), c->name, c->says);
+    app_say(a, "its x, y, z are %s, %s, %s of a world with z up", axes[0], axes[1], axes[2]);
+    json_object_set_new(out, "map",
+                        json_pack("{s:s, s:s, s:s, s:[s,s,s]}", "kind", ncr_map_kind_name(c->kind),
+                                  "convention", c->name, "says", c->says, "axes", axes[0], axes[1],
+                                  axes[2]));
+}
+
 static ncr_status describe_image(const info_options *o, json_t *out)
 {
     const app *a = &o->common;
@@ -152,6 +173,7 @@ static ncr_status describe_image(const info_options *o, json_t *out)
                                           (int)image.height, "channels", (int)image.channels, "min",
                                           (double)low, "max", (double)high, "mean", mean,
                                           "nonfinite", (json_int_t)nonfinite));
+    describe_map(o, out);
     ncr_image_dispose(&a->ctx, &image);
     return NCR_OK;
 }

@@ -76,15 +76,22 @@ static ncr_status face_path(const ncr_ctx *ctx, const char *path, int face, char
 
 /* ---- Reading ---- */
 
+/* Tools that turn a map into another copy its comments along, so the attribute, which they do keep up
+ * to date, overrules a sentence of another kind. */
 ncr_status ncr_map_file_stated(const ncr_ctx *ctx, const char *path, ncr_map_stated *out)
 {
     ncr_image_notes notes;
     memset(out, 0, sizeof *out);
     const ncr_status status = ncr_image_read_notes(ctx, path, &notes);
-    if (status != NCR_OK || understand(notes.comment, out) || !notes.envmap)
+    if (status != NCR_OK)
         return status;
-    out->convention = ncr_convention_find(
-        "openexr", notes.envmap == NCR_ENVMAP_CUBE ? NCR_MAP_CUBE : NCR_MAP_LATLONG);
+    understand(notes.comment, out);
+    if (!notes.envmap)
+        return NCR_OK;
+    const ncr_map_kind kind = notes.envmap == NCR_ENVMAP_CUBE ? NCR_MAP_CUBE : NCR_MAP_LATLONG;
+    const ncr_convention *own = ncr_convention_find("openexr", kind);
+    if (out->convention != own)
+        *out = (ncr_map_stated){own, {{0}}};
     return NCR_OK;
 }
 

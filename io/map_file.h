@@ -15,7 +15,7 @@ typedef struct ncr_map_stated {
 
 /**
  * What a file says about itself: the sentence that ncr_map_file_write leaves in it, or OpenEXR's
- * `envmap` attribute, which is the convention "openexr".
+ * `envmap` attribute, which is the convention "openexr" and believed before any sentence.
  *
  * @return  NCR_OK also when it says nothing; as ncr_image_read_notes
  */

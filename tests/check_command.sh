@@ -48,7 +48,7 @@ expect 2 "exclude each other" bake $scene -o "$work/f" --half --float
 expect 2 "--object|no such object" bake $scene -o "$work/f" --object nothing
 expect 2 "camera" render $scene --method trace --camera nowhere -o "$work/a.png"
 expect 2 "preset" bake $scene -o "$work/f" --preset quik
-for verb in bake render compare report info check; do
+for verb in bake render compare report env info check; do
     "$nacre" $verb --help | grep -q "^example:" || { echo "$verb --help" >&2; failures=$((failures + 1)); }
 done
 

@@ -105,6 +105,15 @@ static void openexr_own_attribute_is_believed(void **state)
     write_noted(p.text, "lens 35 mm", NCR_ENVMAP_CUBE);
     CHECK_STATUS(NCR_OK, ncr_map_file_stated(ctx, p.text, &stated));
     assert_int_equal(stated.convention->kind, NCR_MAP_CUBE);
+    /* A sentence that a tool copied from the map it turned into this one is overruled; one that
+       agrees still tells the axes. */
+    write_noted(p.text, "nacre map: latlong openexr; axes +x +z -y; ...", NCR_ENVMAP_CUBE);
+    CHECK_STATUS(NCR_OK, ncr_map_file_stated(ctx, p.text, &stated));
+    assert_int_equal(stated.convention->kind, NCR_MAP_CUBE);
+    assert_int_equal(stated.world.row[1], 0);
+    write_noted(p.text, "nacre map: cube openexr; axes +x +z -y; ...", NCR_ENVMAP_CUBE);
+    CHECK_STATUS(NCR_OK, ncr_map_file_stated(ctx, p.text, &stated));
+    assert_int_equal(stated.world.row[1], 3);
 }
 
 static void a_file_that_says_nothing_is_not_guessed_at(void **state)

@@ -1,0 +1,107 @@
+#!/usr/bin/env bash
+# SPDX-License-Identifier: MIT
+# nacre env: what it writes says how it lies, other tools read it the way it says, and what it is not
+# told it does not guess.   check_env.sh NACRE SOURCE_FOLDER
+set -euo pipefail
+nacre=$(realpath "$1")
+cd "$2"
+work=$(mktemp -d)
+trap 'rm -rf "$work"' EXIT
+failures=0
+
+fail() {
+    echo "$*" >&2
+    failures=$((failures + 1))
+}
+
+# expect CODE PATTERN arguments...: exit code, and a pattern that stderr must hold
+expect() {
+    local code=$1 pattern=$2 got=0
+    shift 2
+    "$nacre" "$@" >"$work/out" 2>"$work/err" </dev/null || got=$?
+    if [ $got -ne "$code" ] || ! grep -qE -- "$pattern" "$work/err"; then
+        fail "nacre $*: exit $got (expected $code), stderr (expected /$pattern/): $(cat "$work/err")"
+    fi
+}
+
+# same A B LIMIT: the root mean square of the difference of the values is at most LIMIT
+same() {
+    "$nacre" compare "$1" "$2" --json -q >"$work/compare.json"
+    jq -e ".rmse | .R <= $3 and .G <= $3 and .B <= $3" "$work/compare.json" >/dev/null ||
+        fail "$1 and $2 differ: $(jq -c .rmse "$work/compare.json")"
+}
+
+# Refusals.
+expect 2 "IN is missing" env
+expect 2 "-o OUT is missing" env a.exr
+expect 2 "takes no IN" env a.exr --chart -o "$work/a.png"
+expect 2 "did you mean latlong" env --chart --to latlon -o "$work/a.png"
+expect 2 "did you mean vcross" env --chart --convention vcros -o "$work/a.png"
+expect 2 "says nothing of cube maps, but of latlong" env --chart --convention usd -o "$work/a.png"
+expect 2 "--up x: expected y or z" env --chart --up x -o "$work/a.png"
+expect 3 "none.exr" env "$work/none.exr" -o "$work/a.png"
+expect 2 "extension must be" env --chart -o "$work/a.tiff"
+
+# A chart goes through every exact cube convention and back without changing a bit.
+expect 0 "cube map of size 64" env --chart --size 64 -o "$work/chart.exr"
+for convention in opengl ktx strip hstrip hcross vcross oiio; do
+    expect 0 "convention $convention" env "$work/chart.exr" --convention $convention -o "$work/c.exr"
+    expect 0 "changed by 0 %" env "$work/c.exr" -o "$work/back.exr"
+    same "$work/chart.exr" "$work/back.exr" 0
+    expect 0 "cube map by the convention $convention" info "$work/c.exr"
+done
+expect 0 "sixfiles" env "$work/chart.exr" --convention sixfiles -o "$work/face-%.exr"
+expect 0 "sixfiles" env "$work/face-%.exr" --from sixfiles -o "$work/back.exr"
+same "$work/chart.exr" "$work/back.exr" 0
+
+# A world with y up, and the same world with z up again.
+expect 0 "" env "$work/chart.exr" --up y -o "$work/up.exr"
+expect 0 "\+x, \+z, -y of a world with z up" info "$work/up.exr"
+expect 0 "" env "$work/up.exr" -o "$work/back.exr"
+same "$work/chart.exr" "$work/back.exr" 0
+
+# Every kind, in every format, says what it is.
+for kind in cube octahedral latlong sphere paraboloid; do
+    for format in exr hdr png; do
+        expect 0 "$kind map of size 48" env "$work/chart.exr" --to $kind --size 48 -o "$work/k.$format"
+        expect 0 "$kind map by the convention nacre" info "$work/k.$format" --json
+        jq -e ".map.kind == \"$kind\"" "$work/out" >/dev/null || fail "$kind $format: no map in --json"
+    done
+done
+expect 0 "" env "$work/chart.exr" --to latlong -o "$work/l.exr" --json
+jq -e '.schema == "nacre.env/1" and .negative == 0 and .nonfinite == 0 and .out.size == 128 and
+       (.energy_out[0] / .energy_in[0] - 1 | fabs) < 0.01' "$work/out" >/dev/null ||
+    fail "env --json: $(cat "$work/out")"
+
+# An image that says nothing is read as told, or not at all.
+cp "$work/l.exr" "$work/mute.exr"
+if command -v oiiotool >/dev/null; then
+    oiiotool "$work/l.exr" --eraseattrib "ImageDescription" --eraseattrib "comments" -o "$work/mute.exr"
+    expect 2 "does not say how it lies.*--from" env "$work/mute.exr" -o "$work/a.exr"
+    expect 0 "convention oiio" env "$work/mute.exr" --from oiio -o "$work/a.exr"
+    expect 0 "latlong map of size 128 by the convention nacre" env "$work/mute.exr" --from latlong -o "$work/a.exr"
+    expect 2 "several kinds|KIND:nacre" env "$work/mute.exr" --from nacre -o "$work/a.exr"
+    expect 4 "no paraboloid map|no cube map|should be as" env "$work/mute.exr" --from hcross -o "$work/a.exr"
+
+    # OpenImageIO sees the attribute, the size and the pixels.
+    expect 0 "" env "$work/chart.exr" --to latlong --convention openexr -o "$work/o.exr"
+    oiiotool --info -v "$work/o.exr" >"$work/info"
+    grep -qi "latlong" "$work/info" || fail "oiiotool sees no lat-long: $(cat "$work/info")"
+    grep -q "256 x  128, 3 channel, float" "$work/info" || fail "oiiotool: $(head -1 "$work/info")"
+    oiiotool "$work/chart.exr" -o "$work/oiio.exr"
+    same "$work/chart.exr" "$work/oiio.exr" 0
+else
+    echo "oiiotool is not installed: what OpenImageIO makes of the files was not checked"
+fi
+if command -v exrenvmap >/dev/null; then
+    # The OpenEXR library turns its lat-long into a cube: ours must be that cube.
+    exrenvmap -c -w 64 "$work/o.exr" "$work/lib.exr"
+    expect 0 "cube map by the convention openexr" info "$work/lib.exr"
+    expect 0 "" env "$work/lib.exr" -o "$work/back.exr"
+    same "$work/chart.exr" "$work/back.exr" 0.12
+else
+    echo "exrenvmap is not installed: what the OpenEXR library makes of the files was not checked"
+fi
+
+[ $failures -eq 0 ] && echo "all as it should be"
+exit $((failures > 0))
