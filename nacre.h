@@ -44,6 +44,7 @@
 #include "shading/material.h"
 #include "shading/method.h"
 #include "shading/orientation_chart.h"
+#include "shading/plan.h"
 #include "shading/prefilter.h"
 #include "shading/sky.h"
 #include "shading/tile_cache.h"

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT
  * verb_bake.c - nacre bake: a scene's object to a field on disk. */
-#include "apps/stage.h"
+#include "apps/bake_plan.h"
 #include "apps/verbs.h"
 
 #include <string.h>
@@ -10,14 +10,15 @@ typedef struct bake_options {
     const char *scene, *field, *preset, *object, *placement, *occlusion;
     uint32_t points, cube, map;
     double spacing, epsilon, memory;
-    bool half, is_float, depth, fresh;
+    bool half, is_float, depth, fresh, explain;
+    bake_plan plan;
 } bake_options;
 
 /* What the field writer needs when the bake knows its points. */
 typedef struct field_target {
     const app *a;
     const stage *s;
-    const bake_options *o;
+    bake_options *o;
     ncr_field_info info;
     ncr_field_writer *writer;
     ncr_field_resumed resumed;
@@ -59,6 +60,19 @@ static double field_bytes(const ncr_baked *baked, uint32_t n, bool is_float, boo
     return (double)baked->points.count * 6.0 * n * n * texel;
 }
 
+/* What the plan decided goes into the field. */
+static void follow_plan(field_target *t, const ncr_plan *made)
+{
+    bake_plan *plan = &t->o->plan;
+    bake_plan_collect(plan, made);
+    t->info.depth = ncr_plan_keeps_depth(made);
+    t->info.omitted_tiles = ncr_plan_omitted(made);
+    t->info.omitted = plan->omitted;
+    t->info.omitted_count = plan->omitted_count;
+    if (t->o->explain)
+        bake_plan_explain(t->a, plan, made);
+}
+
 static ncr_status open_field(void *user, const ncr_baked *baked, uint32_t n, bool depth,
                              ncr_tile_sink *sink)
 {
@@ -70,6 +84,7 @@ static ncr_status open_field(void *user, const ncr_baked *baked, uint32_t n, boo
                         "allows %.0f",
                         bytes, baked->points.count, n, n, t->o->memory);
     t->info.cube = n;
+    follow_plan(t, baked->plan);
     const ncr_status status =
         ncr_field_writer_create(&t->a->ctx, t->o->field, &t->info, baked, &t->writer, sink);
     if (status != NCR_OK)
@@ -102,6 +117,8 @@ static void leave_off(field_target *t)
     if (t->writer)
         app_say(t->a, "%llu finished tiles are kept in %s.partial; the same command goes on there",
                 (unsigned long long)kept, t->o->field);
+    else if (ncr_cancelled(&t->a->ctx))
+        app_say(t->a, "interrupted before a tile was captured; nothing is kept");
 }
 
 /* What writing the field came to. */
@@ -110,28 +127,38 @@ typedef struct written_field {
     double seconds;
 } written_field;
 
-static json_t *summary(const stage *s, const ncr_baked *baked, const ncr_bake_report *r,
-                       const written_field *w, double total)
+static json_t *tile_counts(const ncr_baked *baked, const ncr_bake_report *r, uint64_t resumed)
+{
+    uint64_t kept;
+    const uint64_t omitted = ncr_plan_tiles(baked->plan, &kept) - kept;
+    return json_pack("{s:I, s:I, s:I}", "captured", (json_int_t)r->capture.tiles, "resumed",
+                     (json_int_t)resumed, "omitted", (json_int_t)omitted);
+}
+
+static json_t *summary(const bake_options *o, const stage *s, const ncr_baked *baked,
+                       const ncr_bake_report *r, const written_field *w, double total)
 {
     return json_pack(
-        "{s:s, s:s, s:I, s:I, s:I, s:I, s:I, s:I, s:{s:f, s:f, s:f, s:f, s:f, s:f}, s:I, s:{s:I, "
-        "s:I}, s:[]}",
+        "{s:s, s:s, s:I, s:I, s:I, s:I, s:I, s:I, s:{s:f, s:f, s:f, s:f, s:f, s:f, s:f}, s:I, s:o, "
+        "s:o}",
         "schema", "nacre.bake/1", "object", ncr_scene_object_name(s->world->scene, s->object),
         "points", (json_int_t)baked->points.count, "patches", (json_int_t)baked->map.patch_count,
         "texels", (json_int_t)r->total.texels, "texels_short_of_four",
         (json_int_t)r->total.short_of_four, "texels_uncovered", (json_int_t)r->total.uncovered,
         "bytes", (json_int_t)w->bytes, "seconds", "light", s->light.seconds, "place",
-        r->seconds.place, "maps", r->seconds.maps, "capture", r->seconds.capture, "write",
-        w->seconds, "total", total, "rays",
+        r->seconds.place, "maps", r->seconds.maps, "plan", r->seconds.plan, "capture",
+        r->seconds.capture, "write", w->seconds, "total", total, "rays",
         (json_int_t)(stage_rays(&r->capture.rays) + r->map.rays + s->light.rays), "tiles",
-        "captured", (json_int_t)r->capture.tiles, "resumed", (json_int_t)w->resumed, "omitted");
+        tile_counts(baked, r, w->resumed), "omitted", bake_plan_json(&o->plan));
 }
 
-static ncr_status bake_field(const bake_options *o, stage *s, ncr_baked *baked,
-                             ncr_bake_report *report, written_field *out)
+static ncr_status bake_field(bake_options *o, stage *s, ncr_baked *baked, ncr_bake_report *report,
+                             written_field *out)
 {
     const app *a = &o->common;
-    ncr_status status = stage_light(a, s);
+    ncr_status status = bake_plan_parse(a, s, o->is_float, &o->plan);
+    if (status == NCR_OK && o->field)
+        status = stage_light(a, s);
     if (status != NCR_OK)
         return status;
     const bool occlusion = o->occlusion && !strcmp(o->occlusion, "on");
@@ -163,12 +190,18 @@ static ncr_status bake_field(const bake_options *o, stage *s, ncr_baked *baked,
         .map = {.resolution = o->map ? o->map : s->preset->map, .occlusion = occlusion},
         .cube = o->cube ? o->cube : s->preset->cube[0],
         .depth = o->depth,
+        .plan = &o->plan.opts,
+        .plan_only = !o->field,
         .skip = has_tile,
         .skip_user = &target,
     };
-    status = ncr_bake(&a->ctx, &s->tracer, &opts, open_field, &target, baked, report);
+    const ncr_tracer unlit = {.world = s->world};
+    status = ncr_bake(&a->ctx, o->field ? &s->tracer : &unlit, &opts, open_field, &target, baked,
+                      report);
     const double began = app_seconds();
-    if (status == NCR_OK)
+    if (status == NCR_OK && !o->field)
+        follow_plan(&target, baked->plan);
+    else if (status == NCR_OK)
         status = ncr_field_writer_finish(&a->ctx, target.writer, &out->bytes);
     else
         leave_off(&target);
@@ -181,10 +214,16 @@ static void say_summary(const bake_options *o, const stage *s, const ncr_baked *
                         const ncr_bake_report *r, uint64_t bytes, double total)
 {
     const app *a = &o->common;
-    app_say(a, "%s: %zu points at %g units, %u patches, %.1f MB in %.1f s -> %s",
-            ncr_scene_object_name(s->world->scene, s->object), baked->points.count,
-            o->epsilon > 0 ? o->epsilon : s->preset->epsilon[0], baked->map.patch_count,
-            1e-6 * (double)bytes, total, o->field);
+    const char *name = ncr_scene_object_name(s->world->scene, s->object);
+    const double epsilon = o->epsilon > 0 ? o->epsilon : s->preset->epsilon[0];
+    if (!o->field) {
+        app_say(a, "%s: %zu points at %g units, %u patches; nothing captured without -o", name,
+                baked->points.count, epsilon, baked->map.patch_count);
+        return;
+    }
+    app_say(a, "%s: %zu points at %g units, %u patches, %.1f MB in %.1f s -> %s", name,
+            baked->points.count, epsilon, baked->map.patch_count, 1e-6 * (double)bytes, total,
+            o->field);
     app_say(a, "light %.1f s, place %.1f s, maps %.2f s, capture %.1f s (%.0f M rays)",
             s->light.seconds, r->seconds.place, r->seconds.maps, r->seconds.capture,
             1e-6 * (double)stage_rays(&r->capture.rays));
@@ -194,7 +233,7 @@ static void say_summary(const bake_options *o, const stage *s, const ncr_baked *
             r->total.buried, r->total.short_of_four, r->total.uncovered);
 }
 
-static ncr_status run_bake(const bake_options *o)
+static ncr_status run_bake(bake_options *o)
 {
     const app *a = &o->common;
     const double began = app_seconds();
@@ -212,7 +251,7 @@ static ncr_status run_bake(const bake_options *o)
     if (status == NCR_OK) {
         const double total = app_seconds() - began;
         say_summary(o, &s, &baked, &report, written.bytes, total);
-        app_print_json(a, summary(&s, &baked, &report, &written, total));
+        app_print_json(a, summary(o, &s, &baked, &report, &written, total));
     }
     ncr_baked_dispose(&a->ctx, &baked);
     stage_close(a, &s);
@@ -237,6 +276,14 @@ int verb_bake(int argc, char **argv)
         {"--depth", 0, OPTION_FLAG, &o.depth, NULL, "store the distance of each texel too"},
         {"--occlusion", 0, OPTION_TEXT, &o.occlusion, "off|on", "keep only points seen freely"},
         {"--fresh", 0, OPTION_FLAG, &o.fresh, NULL, "begin anew, whatever an earlier bake left"},
+        {"--for", 0, OPTION_TEXT, &o.plan.methods, "METHODS",
+         "capture what these methods look up, with commas between them"},
+        {"--camera", 0, OPTION_TEXT, &o.plan.camera, "NAME",
+         "and only what this camera's place sees (default any)"},
+        {"--force", 0, OPTION_TEXT, &o.plan.force, "PARTS",
+         "capture all the same: tiles, mirror, depth or all"},
+        {"--explain", 0, OPTION_FLAG, &o.explain, NULL,
+         "say what is left out and why; without -o, only that"},
         {"--memory", 0, OPTION_NUMBER, &o.memory, "BYTES", "refuse a larger field"},
         APP_OPTIONS(&o.common),
     };
@@ -252,7 +299,7 @@ int verb_bake(int argc, char **argv)
     const parse_result parsed = command_line_parse(&line, argc, argv);
     if (parsed != PARSE_OK)
         return parsed == PARSE_HELP ? EXIT_DONE : EXIT_USAGE;
-    if (!o.field)
+    if (!o.field && !o.explain)
         return command_line_missing("-o FIELD");
     app_begin(&o.common);
     return app_exit_code(run_bake(&o));

@@ -192,6 +192,11 @@ static void say_result(const render_job *job, const ncr_method *method, const ch
             (unsigned long long)st->shaded,
             ncr_scene_object_name(job->s.world->scene, job->s.object), job->o->method, st->seconds,
             (unsigned long long)st->lookups, (unsigned long long)st->rays, job->o->image);
+    if (st->trapped)
+        app_say(a,
+                "note: %llu look-ups met tiles that the field leaves out; it was baked for other "
+                "methods or cameras",
+                (unsigned long long)st->trapped);
     json_t *object =
         json_pack("{s:s, s:s, s:s, s:I, s:I, s:{s:f, s:f, s:f, s:f}, s:I, s:I, s:I, s:I}", "schema",
                   "nacre.render/1", "method", job->o->method, "term", term, "pixels",

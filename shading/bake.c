@@ -20,6 +20,7 @@ void ncr_baked_dispose(const ncr_ctx *ctx, ncr_baked *baked)
     ncr_points_dispose(ctx, &baked->points);
     ncr_sample_map_dispose(ctx, &baked->map);
     ncr_free(ctx, baked->coverage);
+    ncr_plan_destroy(ctx, baked->plan);
     *baked = (ncr_baked){0};
 }
 
@@ -72,22 +73,50 @@ static ncr_status map(const ncr_ctx *ctx, const ncr_scene *scene, const ncr_bake
     return status;
 }
 
+static ncr_status plan(const ncr_ctx *ctx, const ncr_world *world, const ncr_bake_opts *opts,
+                       uint32_t n, ncr_baked *baked)
+{
+    if (!opts->plan)
+        return NCR_OK;
+    ncr_plan_opts o = *opts->plan;
+    o.object = opts->object;
+    o.cube = n;
+    o.depth |= opts->depth;
+    return ncr_plan_create(ctx, world, &baked->points, &baked->map, &o, &baked->plan);
+}
+
+/* What capture asks before each tile. */
+typedef struct sifter {
+    const ncr_plan *plan;
+    const ncr_bake_opts *opts;
+} sifter;
+
+static int sift(void *user, uint32_t point, uint32_t face, uint32_t x, uint32_t y)
+{
+    const sifter *s = user;
+    if (s->plan && !ncr_plan_keeps(s->plan, point, face, x, y))
+        return 1;
+    return s->opts->skip ? s->opts->skip(s->opts->skip_user, point, face, x, y) : 0;
+}
+
 /* The object is captured as a Lambert surface, whatever its mirror: what reconstruction reads out
  * of the light must look the same from everywhere.                                 [T 3.2] */
 static ncr_status capture(const ncr_ctx *ctx, const ncr_tracer *tracer, const ncr_bake_opts *opts,
-                          uint32_t n, const ncr_points *points, const ncr_tile_sink *sink,
+                          uint32_t n, bool depth, const ncr_baked *baked, const ncr_tile_sink *sink,
                           ncr_bake_report *report)
 {
+    const ncr_points *points = &baked->points;
     ncr_tracer diffuse = *tracer;
     diffuse.diffuse_object = opts->object;
     ncr_vec3 *position = ncr_alloc(ctx, points->count * sizeof *position);
     if (!position)
         return NCR_E_NOMEM;
     ncr_points_to_frame(points, ncr_scene_frame(tracer->world->scene), position);
-    const ncr_status status = ncr_capture(ctx, &diffuse, points->count, position, n,
-                                          NCR_OPTS(ncr_capture_opts, .depth = opts->depth,
-                                                   .skip = opts->skip, .user = opts->skip_user),
-                                          sink, &report->capture);
+    const sifter what = {baked->plan, opts};
+    const ncr_status status =
+        ncr_capture(ctx, &diffuse, points->count, position, n,
+                    NCR_OPTS(ncr_capture_opts, .depth = depth, .skip = sift, .user = (void *)&what),
+                    sink, &report->capture);
     ncr_free(ctx, position);
     return status;
 }
@@ -104,16 +133,21 @@ static ncr_status bake(const ncr_ctx *ctx, const ncr_tracer *tracer, const ncr_b
     if (status == NCR_OK)
         status = map(ctx, scene, opts, baked, report);
     const double mapped = seconds_now();
+    if (status == NCR_OK)
+        status = plan(ctx, tracer->world, opts, n, baked);
+    const double planned = seconds_now();
 
+    const bool depth = baked->plan ? ncr_plan_keeps_depth(baked->plan) : opts->depth;
     ncr_tile_sink sink = {0};
-    if (status == NCR_OK)
-        status = sink_for(user, baked, n, opts->depth, &sink);
-    if (status == NCR_OK)
-        status = capture(ctx, tracer, opts, n, &baked->points, &sink, report);
+    if (status == NCR_OK && !opts->plan_only)
+        status = sink_for(user, baked, n, depth, &sink);
+    if (status == NCR_OK && !opts->plan_only)
+        status = capture(ctx, tracer, opts, n, depth, baked, &sink, report);
     const double end = seconds_now();
     report->seconds.place = placed - start;
     report->seconds.maps = mapped - placed;
-    report->seconds.capture = end - mapped;
+    report->seconds.plan = planned - mapped;
+    report->seconds.capture = end - planned;
     report->seconds.total = end - start;
     return status;
 }

@@ -6,7 +6,7 @@
 #include "sampling/placement.h"
 #include "sampling/sample_map.h"
 #include "shading/capture.h"
-#include "shading/method.h"
+#include "shading/plan.h"
 
 NCR_BEGIN
 
@@ -17,6 +17,9 @@ typedef struct ncr_bake_opts {
     ncr_sample_map_opts map;
     uint32_t cube; /* texels per face side; 0: 64 */
     bool depth;
+    /** What need not be captured; its object, cube and depth are filled here. NULL: all is. */
+    const ncr_plan_opts *plan;
+    bool plan_only; /* stop when all is known and nothing captured; `sink_for` is not called */
     /** Instead of placing: these points (borrowed), for a caller's own placement. NULL: place. */
     const ncr_points *points;
     /** As ncr_capture_opts: tiles to leave out or that are there already. Called after sink_for. */
@@ -30,7 +33,7 @@ typedef struct ncr_bake_report {
     ncr_capture_stats capture;
     ncr_coverage total; /* over all patches */
     struct {
-        double place, maps, capture, total;
+        double place, maps, plan, capture, total;
     } seconds;
 } ncr_bake_report;
 
@@ -39,6 +42,7 @@ typedef struct ncr_baked {
     ncr_points points;
     ncr_sample_map map;
     ncr_coverage *coverage; /* [patch count] */
+    ncr_plan *plan;         /* NULL without plan options */
 } ncr_baked;
 
 /**

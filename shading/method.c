@@ -12,26 +12,27 @@
 static const ncr_method_entry entries[] = {
     {"trace", "ray-traced reference", false, NCR_NEEDS_TRACER, ncr_recon_trace, ncr_reflect_trace,
      0},
-    {"nearest", "surface from the closest point that sees it well", false, NCR_NEEDS_FIELD,
-     ncr_recon_nearest, NULL, 0},
-    {"average4", "surface from all points that see it well", false, NCR_NEEDS_FIELD,
-     ncr_recon_average, NULL, 0},
+    {"nearest", "surface from the closest point that sees it well", false,
+     NCR_NEEDS_FIELD | NCR_LOOKS_AT_SURFACE | NCR_LOOKS_FROM_FIRST, ncr_recon_nearest, NULL, 0},
+    {"average4", "surface from all points that see it well", false,
+     NCR_NEEDS_FIELD | NCR_LOOKS_AT_SURFACE, ncr_recon_average, NULL, 0},
     {"envmap", "one cube map at the object's centre", false, NCR_NEEDS_PROBE, NULL,
      ncr_reflect_envmap, 0},
     {"proxy", "one cube map, corrected for parallax by a box", false, NCR_NEEDS_PROBE, NULL,
      ncr_reflect_proxy, 0},
-    {"distance", "the closest point", false, NCR_NEEDS_FIELD, NULL, ncr_reflect_closest,
+    {"distance", "the closest point", false,
+     NCR_NEEDS_FIELD | NCR_LOOKS_ALONG_R | NCR_LOOKS_FROM_FIRST, NULL, ncr_reflect_closest,
      NCR_BASIS_DISTANCE},
-    {"angle", "the point nearest to the mirror ray in angle", false, NCR_NEEDS_FIELD, NULL,
-     ncr_reflect_angle, NCR_BASIS_ANGLE},
-    {"average", "four points alike", false, NCR_NEEDS_FIELD, NULL, ncr_reflect_blend,
-     NCR_BASIS_AVERAGE},
-    {"cosine-r", "four points by max(r.s, 0)^N", true, NCR_NEEDS_FIELD, NULL, ncr_reflect_blend,
-     NCR_BASIS_COSINE_R},
-    {"cosine-n", "four points by max(n.s, 0)^N", true, NCR_NEEDS_FIELD, NULL, ncr_reflect_blend,
-     NCR_BASIS_COSINE_N},
-    {"abs-r", "four points by |r.s|^N", true, NCR_NEEDS_FIELD, NULL, ncr_reflect_blend,
-     NCR_BASIS_ABS_R},
+    {"angle", "the point nearest to the mirror ray in angle", false,
+     NCR_NEEDS_FIELD | NCR_LOOKS_ALONG_R, NULL, ncr_reflect_angle, NCR_BASIS_ANGLE},
+    {"average", "four points alike", false, NCR_NEEDS_FIELD | NCR_LOOKS_ALONG_R, NULL,
+     ncr_reflect_blend, NCR_BASIS_AVERAGE},
+    {"cosine-r", "four points by max(r.s, 0)^N", true, NCR_NEEDS_FIELD | NCR_LOOKS_ALONG_R, NULL,
+     ncr_reflect_blend, NCR_BASIS_COSINE_R},
+    {"cosine-n", "four points by max(n.s, 0)^N", true, NCR_NEEDS_FIELD | NCR_LOOKS_ALONG_R, NULL,
+     ncr_reflect_blend, NCR_BASIS_COSINE_N},
+    {"abs-r", "four points by |r.s|^N", true, NCR_NEEDS_FIELD | NCR_LOOKS_ALONG_R, NULL,
+     ncr_reflect_blend, NCR_BASIS_ABS_R},
 };
 
 enum { entry_count = sizeof entries / sizeof *entries, name_room = 32, pixels_per_chunk = 8192 };
@@ -43,6 +44,11 @@ const char *ncr_method_name(size_t k, const char **summary)
     if (summary)
         *summary = entries[k].summary;
     return entries[k].name;
+}
+
+const ncr_method_entry *ncr_method_entry_at(size_t k)
+{
+    return k < entry_count ? &entries[k] : NULL;
 }
 
 static ncr_status unknown(const ncr_ctx *ctx, const char *name)
@@ -311,6 +317,11 @@ static ncr_status run_chunks(const ncr_ctx *ctx, shade_call *call, ncr_shade_sta
     return status;
 }
 
+static bool is_black(const float rgb[3])
+{
+    return rgb[0] == 0 && rgb[1] == 0 && rgb[2] == 0;
+}
+
 ncr_status ncr_method_shade(const ncr_ctx *ctx, const ncr_method *method, ncr_term term,
                             const ncr_method *recon, const float specular[3],
                             const ncr_shading_inputs *inputs, const ncr_gbuffer *gbuffer,
@@ -327,6 +338,8 @@ ncr_status ncr_method_shade(const ncr_ctx *ctx, const ncr_method *method, ncr_te
     ncr_status status = check_buffers(ctx, gbuffer, image);
     if (status == NCR_OK)
         status = choose_terms(ctx, method, term, recon, inputs, &call, &chosen);
+    if (call.recon && is_black(call.specular))
+        call.reflect = NULL; /* would add nothing */
     float(*point)[4] = NULL;
     if (status == NCR_OK)
         status = frame_points(ctx, inputs, &point);

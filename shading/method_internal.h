@@ -58,6 +58,12 @@ typedef void ncr_shade_fn(const ncr_shade_job *job, const ncr_method *method, nc
 /* Parts a method cannot do without. */
 enum { NCR_NEEDS_FIELD = 1, NCR_NEEDS_PROBE = 2, NCR_NEEDS_TRACER = 4 };
 
+/* In which directions a method looks up the field, so that a plan can leave out the others: along
+ * r, or from the point to the surface; at any of the candidates, or only at the first one (of a
+ * reconstruction: the first above the horizon). A method that says nothing may look anywhere. */
+enum { NCR_LOOKS_ALONG_R = 8, NCR_LOOKS_AT_SURFACE = 16, NCR_LOOKS_FROM_FIRST = 32 };
+enum { NCR_READS_DEPTH = 64 }; /* and asks for distances */
+
 /* A row of the registry. */
 typedef struct ncr_method_entry {
     const char *name, *summary;
@@ -66,6 +72,9 @@ typedef struct ncr_method_entry {
     ncr_shade_fn *recon, *reflect; /* NULL: this method has no such term */
     int detail;                    /* whatever tells entries with the same function apart */
 } ncr_method_entry;
+
+/* Entry k; NULL past the last. */
+const ncr_method_entry *ncr_method_entry_at(size_t k);
 
 ncr_shade_fn ncr_recon_nearest, ncr_recon_average; /* oslf_reconstruct.c */
 /* oslf_mirror.c: detail is the ncr_basis */

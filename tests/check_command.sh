@@ -75,7 +75,7 @@ expect 5 "--memory" bake $scene --preset quick -o "$work/f" --memory 1000
 expect 0 "points" bake $scene --preset quick -o "$work/s.field" --json
 cp "$work/out" "$work/bake.json"
 member "$work/bake.json" schema object points patches texels texels_short_of_four texels_uncovered bytes \
-    seconds.place seconds.maps seconds.capture seconds.write seconds.total rays omitted
+    seconds.place seconds.maps seconds.plan seconds.capture seconds.write seconds.total rays omitted
 expect 0 "field of object" info "$work/s.field" --verify
 for method in trace envmap proxy distance angle average cosine-r:4 cosine-n:4 abs-r:4; do
     expect 0 "pixels" render $scene --preset quick --field "$work/s.field" --method $method \
@@ -95,6 +95,35 @@ member "$work/compare.json" schema pixels nonfinite rmse.R rmse.G rmse.B rmse.L 
 expect 0 "RMSE  L\* 0.0000" compare "$work/trace.exr" "$work/trace.exr" --max-rmse 0.001
 expect 1 "RMSE" compare "$work/trace.exr" "$work/envmap.exr" --mask "$work/mask.png" --max-rmse 0.001
 expect 2 "field" render $scene --preset quick --method angle -o "$work/a.png"
+
+# What a plan leaves out is not missed by what it was made for.
+expect 2 "did you mean .nearest" bake $scene -o "$work/f" --for neerest
+expect 2 "did you mean tiles" bake $scene -o "$work/f" --for nearest --force tile
+expect 2 "none of the methods reads a field" bake $scene -o "$work/f" --for envmap
+expect 2 "camera" bake $scene -o "$work/f" --camera mian
+expect 0 "left out  tiles" bake $scene --preset quick --for cosine-n:4,nearest --camera main --explain --json
+jq -e '.tiles.captured == 0 and .omitted[0].part == "tiles" and .omitted[0].bound == 0' "$work/out" >/dev/null ||
+    failures=$((failures + 1))
+expect 0 "left out  tiles" bake $scene --preset quick --for cosine-n:4,nearest --camera main --explain --json \
+    -o "$work/p.field"
+cp "$work/out" "$work/plan.json"
+jq -e '.tiles.omitted * 6 * 32 * 32 / 6 == .omitted[0].saved_rays and .tiles.omitted * 2 > .tiles.captured' \
+    "$work/plan.json" >/dev/null || failures=$((failures + 1))
+jq -e --argjson whole "$(jq .rays "$work/bake.json")" --argjson light 0 \
+    '$whole - .rays >= .omitted[0].saved_rays' "$work/plan.json" >/dev/null || failures=$((failures + 1))
+for field in s p; do
+    expect 0 "pixels" render $scene --preset quick --field "$work/$field.field" --method cosine-n:4 --json \
+        --object-only -o "$work/of-$field.exr"
+    jq -e '.trapped == 0' "$work/out" >/dev/null || failures=$((failures + 1))
+done
+cmp "$work/of-s.exr" "$work/of-p.exr" || failures=$((failures + 1))
+expect 0 "left out" info "$work/p.field" --verify
+expect 0 "plan: for nearest" bake $scene --preset quick --for nearest --camera main --explain -o "$work/n.field"
+expect 0 "look-ups met tiles" render $scene --preset quick --field "$work/n.field" --method angle --term reflect \
+    --object-only -o "$work/trap.exr"
+expect 0 "kept      tiles   forced" bake $scene --preset quick --for nearest --camera main --force tiles \
+    --explain -o "$work/q.field"
+cmp "$work/s.field/radiance.exr" "$work/q.field/radiance.exr" || failures=$((failures + 1))
 
 # A field larger than the memory allowed gives the same bytes.
 expect 0 "light from the file" render $scene --preset quick --field "$work/s.field" --method cosine-n:4 \
