@@ -11,7 +11,7 @@ typedef struct env_options {
     const char *in, *out, *to, *from, *convention, *from_up, *up;
     uint32_t size;
     double exposure;
-    bool chart, half;
+    bool chart, half, single, rgb9e5, mips;
 } env_options;
 
 /* Everything a conversion holds; closed as one. */
@@ -22,6 +22,8 @@ typedef struct env_job {
     ncr_directional_map in, out;
     double energy_in[NCR_MAP_CHANNELS], energy_out[NCR_MAP_CHANNELS];
     double seconds[3]; /* read, convert, write */
+    uint32_t levels;   /* written */
+    ncr_ktx2_report stored;
 } env_job;
 
 /* The power of two with about as many texels, unless the kind stays. */
@@ -98,9 +100,24 @@ static ncr_status draw_chart(env_job *job)
 static ncr_status write_map(env_job *job)
 {
     const env_options *o = job->o;
-    return ncr_map_file_write(
-        &o->common.ctx, o->out, &job->out,
-        NCR_OPTS(ncr_map_file_opts, .as = job->as, .half = o->half, .exposure = o->exposure));
+    const ncr_ctx *ctx = &o->common.ctx;
+    const ncr_map_file_opts how = {.struct_size = sizeof how,
+                                   .as = job->as,
+                                   .half = o->half,
+                                   .exposure = o->exposure,
+                                   .ktx2 = o->rgb9e5   ? NCR_KTX2_RGB9E5
+                                           : o->single ? NCR_KTX2_FLOAT
+                                                       : NCR_KTX2_HALF};
+    ncr_directional_map levels[NCR_KTX2_LEVELS] = {{.kind = NCR_MAP_CUBE}};
+    job->levels = o->mips ? ncr_map_level_count(job->out.size) : 1;
+    if (!o->mips)
+        return ncr_map_file_write_levels(ctx, o->out, &job->out, 1, &how, &job->stored);
+    ncr_status status = ncr_directional_map_levels(ctx, &job->out, job->levels, levels);
+    if (status == NCR_OK)
+        status = ncr_map_file_write_levels(ctx, o->out, levels, job->levels, &how, &job->stored);
+    for (uint32_t k = 0; k < job->levels; k++)
+        ncr_directional_map_dispose(ctx, &levels[k]);
+    return status;
 }
 
 static ncr_status timed(double *seconds, ncr_status (*step)(env_job *job), env_job *job)
@@ -154,6 +171,14 @@ static void report(const env_job *job)
                 (unsigned long long)job->read.nonfinite);
     app_say(a, "%s: %s map of size %u by the convention %s: %s", o->out, ncr_map_kind_name(c->kind),
             job->out.size, c->name, c->says);
+    if (job->levels > 1)
+        app_say(a, "%u levels, each texel the mean of what it covers by solid angle", job->levels);
+    if (job->stored.worst > 0 || job->stored.clamped)
+        app_say(
+            a,
+            "storing changed values by at most %.2g of their texel's largest channel, %.2g rms; "
+            "%llu did not fit and were clamped",
+            job->stored.worst, job->stored.rms, (unsigned long long)job->stored.clamped);
     if (from)
         app_say(a, "integral over the sphere changed by %.2g %%", 100 * energy_change(job));
 }
@@ -168,12 +193,15 @@ static json_t *side(const ncr_convention *c, uint32_t size)
 static json_t *describe(const env_job *job)
 {
     const double *e = job->energy_in, *f = job->energy_out, *t = job->seconds;
-    return json_pack("{s:s, s:o, s:o, s:[f,f,f], s:[f,f,f], s:I, s:I, s:{s:f, s:f, s:f}}", "schema",
-                     "nacre.env/1", "in", side(job->read.used.convention, job->in.size), "out",
-                     side(job->as.convention, job->out.size), "energy_in", e[0], e[1], e[2],
+    const ncr_ktx2_report *s = &job->stored;
+    return json_pack("{s:s, s:o, s:o, s:[f,f,f], s:[f,f,f], s:I, s:I, s:i, s:{s:I, s:f, s:f}, "
+                     "s:{s:f, s:f, s:f}}",
+                     "schema", "nacre.env/1", "in", side(job->read.used.convention, job->in.size),
+                     "out", side(job->as.convention, job->out.size), "energy_in", e[0], e[1], e[2],
                      "energy_out", f[0], f[1], f[2], "negative", (json_int_t)job->read.negative,
-                     "nonfinite", (json_int_t)job->read.nonfinite, "seconds", "read", t[0],
-                     "convert", t[1], "write", t[2]);
+                     "nonfinite", (json_int_t)job->read.nonfinite, "levels", (int)job->levels,
+                     "stored", "clamped", (json_int_t)s->clamped, "worst", s->worst, "rms", s->rms,
+                     "seconds", "read", t[0], "convert", t[1], "write", t[2]);
 }
 
 int verb_env(int argc, char **argv)
@@ -181,7 +209,7 @@ int verb_env(int argc, char **argv)
     env_options o = {0};
     size_t words = 0;
     const option options[] = {
-        {"--output", 'o', OPTION_TEXT, &o.out, "OUT", "file to write: .exr, .hdr, .png"},
+        {"--output", 'o', OPTION_TEXT, &o.out, "OUT", "file to write: .exr, .hdr, .png, .ktx2"},
         {"--to", 0, OPTION_TEXT, &o.to, "KIND",
          "cube (default), octahedral, latlong, sphere, paraboloid"},
         {"--size", 0, OPTION_COUNT, &o.size, "N",
@@ -193,7 +221,10 @@ int verb_env(int argc, char **argv)
         {"--from-up", 0, OPTION_TEXT, &o.from_up, "AXIS",
          "which axis is up in IN: z (default) or y"},
         {"--up", 0, OPTION_TEXT, &o.up, "AXIS", "which axis is to be up in OUT: z (default) or y"},
-        {"--half", 0, OPTION_FLAG, &o.half, NULL, "store EXR as halves"},
+        {"--mips", 0, OPTION_FLAG, &o.mips, NULL, "all levels, by solid angle (KTX2)"},
+        {"--half", 0, OPTION_FLAG, &o.half, NULL, "store EXR as halves (KTX2 is halves anyway)"},
+        {"--float", 0, OPTION_FLAG, &o.single, NULL, "store KTX2 as floats"},
+        {"--rgb9e5", 0, OPTION_FLAG, &o.rgb9e5, NULL, "store KTX2 as E5B9G9R9, 4 bytes a texel"},
         {"--exposure", 0, OPTION_NUMBER, &o.exposure, "E", "factor for PNG (default 1)"},
         {"--chart", 0, OPTION_FLAG, &o.chart, NULL,
          "no IN: draw six labelled faces, to see which way a map lies"},
@@ -219,6 +250,9 @@ int verb_env(int argc, char **argv)
     if (!o.out)
         return command_line_missing("-o OUT");
     app_begin(&o.common);
+    if (o.half + o.single + o.rgb9e5 > 1)
+        return app_exit_code(
+            ncr_fail(&o.common.ctx, NCR_E_ARG, "--half, --float and --rgb9e5 exclude each other"));
     if (words && o.chart)
         return app_exit_code(
             ncr_fail(&o.common.ctx, NCR_E_ARG, "--chart draws its own map and takes no IN"));

@@ -148,6 +148,17 @@ static void describe_map(const info_options *o, json_t *out)
                                   axes[2]));
 }
 
+/* KTX 2: the numbers above are of level 0, a cube's faces downwards. */
+static void describe_levels(const info_options *o, json_t *out)
+{
+    ncr_image_notes notes;
+    if (ncr_image_read_notes(&o->common.ctx, o->file, &notes) != NCR_OK || !notes.levels)
+        return;
+    app_say(&o->common, "KTX 2 texture of %u faces and %u levels", notes.faces, notes.levels);
+    json_object_update_new(
+        out, json_pack("{s:i, s:i}", "faces", (int)notes.faces, "levels", (int)notes.levels));
+}
+
 static ncr_status describe_image(const info_options *o, json_t *out)
 {
     const app *a = &o->common;
@@ -173,6 +184,7 @@ static ncr_status describe_image(const info_options *o, json_t *out)
                                           (int)image.height, "channels", (int)image.channels, "min",
                                           (double)low, "max", (double)high, "mean", mean,
                                           "nonfinite", (json_int_t)nonfinite));
+    describe_levels(o, out);
     describe_map(o, out);
     ncr_image_dispose(&a->ctx, &image);
     return NCR_OK;

@@ -25,6 +25,7 @@ static const format formats[] = {
     {".exr", "\x76\x2f\x31\x01", 4, ncr_exr_read, ncr_exr_write},
     {".hdr", "#?", 2, ncr_hdr_read, ncr_hdr_write},
     {".png", "\x89PNG\r\n\x1a\n", 8, ncr_png_read, ncr_png_write},
+    {".ktx2", "\xabKTX 20\xbb", 8, ncr_ktx2_image_read, ncr_ktx2_image_write},
 };
 enum { format_count = sizeof formats / sizeof formats[0] };
 
@@ -59,7 +60,8 @@ ncr_status ncr_image_write(const ncr_ctx *ctx, const char *path, const ncr_image
         return ncr_fail(ctx, NCR_E_ARG, "ncr_image_write: the options have no struct_size");
     const format *f = format_of_extension(path);
     if (!f)
-        return ncr_fail(ctx, NCR_E_ARG, "%s: the extension must be .exr, .hdr or .png", path);
+        return ncr_fail(ctx, NCR_E_ARG, "%s: the extension must be .exr, .hdr, .png or .ktx2",
+                        path);
     if (!image->data || !image->width || !image->height || !image->channels)
         return ncr_fail(ctx, NCR_E_ARG, "%s: there is no image to write", path);
     return f->write(ctx, path, image, opts ? opts : &defaults);
@@ -77,7 +79,7 @@ static ncr_status read_magic(const ncr_ctx *ctx, const char *path, uint8_t magic
     return good ? NCR_OK : ncr_fail(ctx, NCR_E_IO, "%s: cannot be read: %s", path, strerror(why));
 }
 
-static uint64_t zero_nonfinite(const ncr_image *image)
+uint64_t ncr_image_zero_nonfinite(const ncr_image *image)
 {
     const size_t count = (size_t)image->width * image->height * image->channels;
     uint64_t found = 0;
@@ -108,10 +110,10 @@ ncr_status ncr_image_read(const ncr_ctx *ctx, const char *path, ncr_image *out, 
     }
     if (!f)
         return ncr_fail(ctx, NCR_E_FORMAT, "%s: %s", path,
-                        size ? "is neither OpenEXR nor Radiance HDR nor PNG" : "is empty");
+                        size ? "is neither OpenEXR, Radiance HDR, PNG nor KTX 2" : "is empty");
     status = f->read(ctx, path, out);
     if (status == NCR_OK) {
-        const uint64_t found = zero_nonfinite(out);
+        const uint64_t found = ncr_image_zero_nonfinite(out);
         if (nonfinite)
             *nonfinite = found;
     }

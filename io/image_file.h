@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT
- * image_file.h - images on disk: OpenEXR, Radiance HDR, PNG of 8 and 16 bits. */
+ * image_file.h - images on disk: OpenEXR, Radiance HDR, PNG of 8 and 16 bits, KTX 2. */
 #ifndef NCR_IO_IMAGE_FILE_H
 #define NCR_IO_IMAGE_FILE_H
 
@@ -20,17 +20,18 @@ typedef enum ncr_envmap {
 typedef struct ncr_image_write_opts {
     size_t struct_size;
     double exposure;     /* PNG only: factor before clip and sRGB curve; 0: 1 */
-    bool half;           /* EXR only: store halves (values past 65504 fail with NCR_E_LIMIT) */
+    bool half;           /* EXR: store halves (values past 65504 fail with NCR_E_LIMIT); KTX 2 too,
+                            where they become 65504 */
     const char *comment; /* stored as text where the format has a place; may be NULL */
     ncr_envmap envmap;   /* EXR only */
 } ncr_image_write_opts;
 
 /**
- * Write an image; the extension of `path` (.exr .hdr .png) chooses the format.
+ * Write an image; the extension of `path` (.exr .hdr .png .ktx2) chooses the format.
  *
  * PNG: 1, 3 or 4 channels, 8 bits, sRGB, the fourth a linear alpha that exposure leaves alone. HDR:
- * 3 channels. EXR: 1..8 channels, float, named Y, YA, RGB, RGBA, and C0 to C7 above four. PNG and
- * HDR have no place for what is not finite or below zero: NaN and negatives become 0, and values
+ * 3 channels. EXR: 1..8 channels, float, named Y, YA, RGB, RGBA, and C0 to C7 above four.
+ * KTX 2: 1, 3 or 4 channels, one level, float RGBA; ktx2_file.h can do more. PNG and HDR have no place for what is not finite or below zero: NaN and negatives become 0, and values
  * too large the largest.
  *
  * @return  NCR_E_ARG (unknown extension, channel count), NCR_E_IO, NCR_E_LIMIT, NCR_E_NOMEM
@@ -49,6 +50,7 @@ NCR_API ncr_status ncr_image_write(const ncr_ctx *ctx, const char *path, const n
  * primaries than Rec. 709 are converted where the file names them, white to white. HDR: both
  * run-length forms and flat, all eight orientations; EXPOSURE and COLORCORR are divided out. PNG: 8
  * and 16 bits, gray or RGB, sRGB decoded to linear, alpha dropped; gAMA and iCCP are not followed.
+ * KTX 2: level 0 as ncr_ktx2_read has it.
  *
  * @return  NCR_E_IO (missing, unreadable), NCR_E_FORMAT (the sentence says where), NCR_E_LIMIT (over
  *          2^28 pixels or 2^17 a side, before any is allocated), NCR_E_BACKEND (deep,
@@ -65,6 +67,8 @@ enum { NCR_IMAGE_COMMENT = 1024 };
 typedef struct ncr_image_notes {
     char comment[NCR_IMAGE_COMMENT]; /* the text that ncr_image_write stored, cut to fit; "" */
     ncr_envmap envmap;               /* EXR only */
+    uint32_t faces;                  /* KTX 2 only: 6 for a cube, else 1 */
+    uint32_t levels;                 /* KTX 2 only */
 } ncr_image_notes;
 
 /** Read the notes of an image file. NCR_E_IO, NCR_E_FORMAT, NCR_E_BACKEND, NCR_E_NOMEM. */

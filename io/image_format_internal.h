@@ -10,6 +10,9 @@
 ncr_status ncr_image_check_size(const ncr_ctx *ctx, const char *path, int64_t width,
                                 int64_t height);
 
+/** Make values that are infinite or NaN 0; how many there were. */
+uint64_t ncr_image_zero_nonfinite(const ncr_image *image);
+
 ncr_status ncr_exr_read(const ncr_ctx *ctx, const char *path, ncr_image *out);
 ncr_status ncr_exr_write(const ncr_ctx *ctx, const char *path, const ncr_image *image,
                          const ncr_image_write_opts *opts);
@@ -29,5 +32,10 @@ ncr_status ncr_hdr_write(const ncr_ctx *ctx, const char *path, const ncr_image *
 ncr_status ncr_png_read(const ncr_ctx *ctx, const char *path, ncr_image *out);
 ncr_status ncr_png_write(const ncr_ctx *ctx, const char *path, const ncr_image *image,
                          const ncr_image_write_opts *opts);
+
+/** KTX 2: level 0, a cube's faces downwards; and a flat texture of one level. */
+ncr_status ncr_ktx2_image_read(const ncr_ctx *ctx, const char *path, ncr_image *out);
+ncr_status ncr_ktx2_image_write(const ncr_ctx *ctx, const char *path, const ncr_image *image,
+                                const ncr_image_write_opts *opts);
 
 #endif

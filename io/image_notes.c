@@ -5,6 +5,7 @@
  *   [Rad]  Radiance reference manual, "The RADIANCE Picture File Format"
  */
 #include "io/image_format_internal.h"
+#include "io/ktx2_file.h"
 
 #include <errno.h>
 #include <stdio.h>
@@ -85,6 +86,16 @@ static void read_hdr(bytes b, ncr_image_notes *out)
     keep(out, (const uint8_t *)text, length);
 }
 
+static ncr_status read_ktx2(const ncr_ctx *ctx, const char *path, ncr_image_notes *out)
+{
+    ncr_ktx2_info info;
+    const ncr_status status = ncr_ktx2_info_read(ctx, path, &info);
+    memcpy(out->comment, info.comment, sizeof out->comment);
+    out->faces = info.faces;
+    out->levels = info.levels;
+    return status;
+}
+
 static ncr_status read_head(const ncr_ctx *ctx, const char *path, uint8_t *head, size_t *size)
 {
     FILE *stream = fopen(path, "rb");
@@ -113,9 +124,11 @@ ncr_status ncr_image_read_notes(const ncr_ctx *ctx, const char *path, ncr_image_
             read_hdr(b, out);
         else if (size >= 8 && !memcmp(head, "\x89PNG\r\n\x1a\n", 8))
             read_png(b, out);
+        else if (size >= 8 && !memcmp(head, "\xabKTX 20\xbb", 8))
+            status = read_ktx2(ctx, path, out);
         else
-            status = ncr_fail(ctx, NCR_E_FORMAT, "%s: is neither OpenEXR nor Radiance HDR nor PNG",
-                              path);
+            status = ncr_fail(ctx, NCR_E_FORMAT,
+                              "%s: is neither OpenEXR, Radiance HDR, PNG nor KTX 2", path);
     }
     ncr_free(ctx, head);
     return status;

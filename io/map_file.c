@@ -1,11 +1,12 @@
 /* SPDX-License-Identifier: MIT */
 #include "io/map_file.h"
 
-#include "io/image_file.h"
+#include "io/image_format_internal.h"
 
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <strings.h>
 
 /* ---- The sentence ---- */
 
@@ -76,8 +77,15 @@ static ncr_status face_path(const ncr_ctx *ctx, const char *path, int face, char
 
 /* ---- Reading ---- */
 
-/* Tools that turn a map into another copy its comments along, so the attribute, which they do keep up
- * to date, overrules a sentence of another kind. */
+/* Whether a convention is what six faces of KTX 2 are. */
+static bool is_ktx(const ncr_convention *c)
+{
+    const ncr_convention *k = ncr_convention_find("ktx", NCR_MAP_CUBE);
+    return c && c->kind == NCR_MAP_CUBE && !c->on_border && !strcmp(c->says, k->says);
+}
+
+/* Tools that turn a map into another copy its comments along, so what the format itself says, which
+ * they do keep up to date, overrules a sentence of another kind. */
 ncr_status ncr_map_file_stated(const ncr_ctx *ctx, const char *path, ncr_map_stated *out)
 {
     ncr_image_notes notes;
@@ -86,6 +94,8 @@ ncr_status ncr_map_file_stated(const ncr_ctx *ctx, const char *path, ncr_map_sta
     if (status != NCR_OK)
         return status;
     understand(notes.comment, out);
+    if (notes.faces == 6 && !is_ktx(out->convention))
+        *out = (ncr_map_stated){ncr_convention_find("ktx", NCR_MAP_CUBE), {{0}}};
     if (!notes.envmap)
         return NCR_OK;
     const ncr_map_kind kind = notes.envmap == NCR_ENVMAP_CUBE ? NCR_MAP_CUBE : NCR_MAP_LATLONG;
@@ -202,6 +212,42 @@ ncr_status ncr_map_file_read(const ncr_ctx *ctx, const char *path, ncr_map_state
     return status;
 }
 
+/* One level of a KTX 2 file, whose values are counted and made finite first. */
+static ncr_status take_level(const ncr_ctx *ctx, ncr_map_stated as, ncr_image *image,
+                             ncr_directional_map *out, ncr_map_file_report *found)
+{
+    found->nonfinite += ncr_image_zero_nonfinite(image);
+    ncr_status status = to_rgb(ctx, image);
+    if (status == NCR_OK)
+        found->negative += count_negative(image);
+    return status == NCR_OK ? ncr_convention_read(ctx, as.convention, as.world, image, out)
+                            : status;
+}
+
+ncr_status ncr_map_file_read_levels(const ncr_ctx *ctx, const char *path, ncr_map_stated as,
+                                    uint32_t count, ncr_directional_map *levels,
+                                    ncr_map_file_report *report)
+{
+    ncr_map_file_report found = {0};
+    ncr_image images[NCR_KTX2_LEVELS] = {{0}};
+    memset(levels, 0, count * sizeof *levels);
+    ncr_status status = find_convention(ctx, path, &as);
+    if (status == NCR_OK && count > NCR_KTX2_LEVELS)
+        status = ncr_fail(ctx, NCR_E_ARG, "%s: has not %u levels", path, count);
+    if (status == NCR_OK)
+        status = ncr_ktx2_read(ctx, path, count, images);
+    for (uint32_t k = 0; k < count && status == NCR_OK; k++)
+        status = take_level(ctx, as, &images[k], &levels[k], &found);
+    for (uint32_t k = 0; k < NCR_KTX2_LEVELS; k++)
+        ncr_image_dispose(ctx, &images[k]);
+    for (uint32_t k = 0; k < count && status != NCR_OK; k++)
+        ncr_directional_map_dispose(ctx, &levels[k]);
+    found.used = as;
+    if (status == NCR_OK && report)
+        *report = found;
+    return status;
+}
+
 /* ---- Writing ---- */
 
 static ncr_status write_six(const ncr_ctx *ctx, const char *path, const ncr_image *strip,
@@ -227,18 +273,38 @@ static ncr_envmap envmap_of(const ncr_convention *c)
     return c->kind == NCR_MAP_CUBE ? NCR_ENVMAP_CUBE : NCR_ENVMAP_LATLONG;
 }
 
-ncr_status ncr_map_file_write(const ncr_ctx *ctx, const char *path, const ncr_directional_map *map,
-                              const ncr_map_file_opts *opts)
+static bool is_ktx2_path(const char *path)
 {
-    const ncr_map_file_opts defaults = {.struct_size = sizeof defaults};
-    const ncr_map_file_opts *o = opts ? opts : &defaults;
-    if (o->struct_size != sizeof *o)
-        return ncr_fail(ctx, NCR_E_ARG, "ncr_map_file_write: the options have no struct_size");
-    ncr_map_stated as = o->as;
-    if (!as.convention)
-        as.convention = ncr_convention_find("nacre", map->kind);
-    char text[NCR_IMAGE_COMMENT];
-    state(as, text);
+    const char *dot = strrchr(path, '.');
+    return dot && !strcasecmp(dot, ".ktx2");
+}
+
+static ncr_status write_ktx2(const ncr_ctx *ctx, const char *path,
+                             const ncr_directional_map *levels, uint32_t count,
+                             const ncr_map_file_opts *o, const char *text, ncr_ktx2_report *report)
+{
+    const ncr_convention *c = o->as.convention;
+    const uint32_t size = o->size ? o->size : levels[0].size;
+    const ncr_ktx2_opts how = {
+        .struct_size = sizeof how, .format = o->ktx2, .cube = is_ktx(c), .comment = text};
+    ncr_image images[NCR_KTX2_LEVELS] = {{0}};
+    ncr_status status =
+        count <= NCR_KTX2_LEVELS && count <= ncr_map_level_count(size)
+            ? NCR_OK
+            : ncr_fail(ctx, NCR_E_ARG, "%s: a map of size %u has no %u levels", path, size, count);
+    for (uint32_t k = 0; k < count && status == NCR_OK; k++)
+        status = ncr_convention_write(ctx, c, o->as.world, &levels[k], size >> k, &images[k]);
+    if (status == NCR_OK)
+        status = ncr_ktx2_write(ctx, path, images, count, &how, report);
+    for (uint32_t k = 0; k < NCR_KTX2_LEVELS; k++)
+        ncr_image_dispose(ctx, &images[k]);
+    return status;
+}
+
+static ncr_status write_image(const ncr_ctx *ctx, const char *path, const ncr_directional_map *map,
+                              const ncr_map_file_opts *o, const char *text)
+{
+    const ncr_map_stated as = o->as;
     const ncr_image_write_opts how = {.struct_size = sizeof how,
                                       .exposure = o->exposure,
                                       .half = o->half,
@@ -251,4 +317,32 @@ ncr_status ncr_map_file_write(const ncr_ctx *ctx, const char *path, const ncr_di
                                        : ncr_image_write(ctx, path, &image, &how);
     ncr_image_dispose(ctx, &image);
     return status;
+}
+
+ncr_status ncr_map_file_write_levels(const ncr_ctx *ctx, const char *path,
+                                     const ncr_directional_map *levels, uint32_t count,
+                                     const ncr_map_file_opts *opts, ncr_ktx2_report *report)
+{
+    ncr_map_file_opts o = {.struct_size = sizeof o};
+    char text[NCR_IMAGE_COMMENT];
+    if (opts && opts->struct_size != sizeof o)
+        return ncr_fail(ctx, NCR_E_ARG, "ncr_map_file_write: the options have no struct_size");
+    if (opts)
+        o = *opts;
+    if (!o.as.convention)
+        o.as.convention = ncr_convention_find("nacre", levels[0].kind);
+    if (report)
+        *report = (ncr_ktx2_report){0};
+    state(o.as, text);
+    if (is_ktx2_path(path) && !is_six(o.as.convention))
+        return write_ktx2(ctx, path, levels, count, &o, text, report);
+    if (count != 1)
+        return ncr_fail(ctx, NCR_E_ARG, "%s: of the formats only .ktx2 holds levels", path);
+    return write_image(ctx, path, levels, &o, text);
+}
+
+ncr_status ncr_map_file_write(const ncr_ctx *ctx, const char *path, const ncr_directional_map *map,
+                              const ncr_map_file_opts *opts)
+{
+    return ncr_map_file_write_levels(ctx, path, map, 1, opts, NULL);
 }

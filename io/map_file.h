@@ -1,8 +1,9 @@
 /* SPDX-License-Identifier: MIT
- * map_file.h - directional maps as OpenEXR, Radiance HDR and PNG images that say how they lie. */
+ * map_file.h - directional maps as OpenEXR, Radiance HDR, PNG and KTX 2 files that say how they lie. */
 #ifndef NCR_IO_MAP_FILE_H
 #define NCR_IO_MAP_FILE_H
 
+#include "io/ktx2_file.h"
 #include "shading/convention.h"
 
 NCR_BEGIN
@@ -14,8 +15,9 @@ typedef struct ncr_map_stated {
 } ncr_map_stated;
 
 /**
- * What a file says about itself: the sentence that ncr_map_file_write leaves in it, or OpenEXR's
- * `envmap` attribute, which is the convention "openexr" and believed before any sentence.
+ * What a file says about itself: the sentence that ncr_map_file_write leaves in it; or OpenEXR's
+ * `envmap` attribute, which is the convention "openexr", or a cube of KTX 2, which is "ktx": these
+ * two are believed before a sentence of another kind.
  *
  * @return  NCR_OK also when it says nothing; as ncr_image_read_notes
  */
@@ -44,13 +46,34 @@ typedef struct ncr_map_file_opts {
     ncr_map_stated as; /* a NULL convention: "nacre" of the map's own kind */
     uint32_t size;     /* 0: the map's own */
     bool half;         /* EXR: store halves */
-    double exposure;   /* PNG: factor before clip and sRGB curve; 0: 1 */
+    ncr_ktx2_format ktx2;
+    double exposure; /* PNG: factor before clip and sRGB curve; 0: 1 */
 } ncr_map_file_opts;
 
-/** Write a map by a convention, which the file then states in words. As ncr_image_write. */
+/** Write a map by a convention, which the file then states in words. As ncr_image_write. KTX 2 gets
+ *  a cube where the convention has its faces as OpenGL has them, downwards, else a flat texture. */
 NCR_API ncr_status ncr_map_file_write(const ncr_ctx *ctx, const char *path,
                                       const ncr_directional_map *map,
                                       const ncr_map_file_opts *opts);
+
+/**
+ * Write the levels of a map: a pyramid of ncr_directional_map_levels, or maps of rising roughness.
+ *
+ * @param levels  [count], level k + 1 of half the size of level k, rounded down
+ * @param opts    as ncr_map_file_write; a size counts for level 0
+ * @param report  what storing did to the values, for KTX 2; NULL not wanted
+ * @return        NCR_E_ARG also for more than one level in another format than KTX 2
+ */
+NCR_API ncr_status ncr_map_file_write_levels(const ncr_ctx *ctx, const char *path,
+                                             const ncr_directional_map *levels, uint32_t count,
+                                             const ncr_map_file_opts *opts,
+                                             ncr_ktx2_report *report);
+
+/** Read the first `count` levels of a KTX 2 file: else as ncr_map_file_read, whose report then
+ *  counts over all of them. On failure all `levels` are {0}. */
+NCR_API ncr_status ncr_map_file_read_levels(const ncr_ctx *ctx, const char *path, ncr_map_stated as,
+                                            uint32_t count, ncr_directional_map *levels,
+                                            ncr_map_file_report *report);
 
 NCR_END
 

@@ -41,6 +41,8 @@ expect 2 "says nothing of cube maps, but of latlong" env --chart --convention us
 expect 2 "--up x: expected y or z" env --chart --up x -o "$work/a.png"
 expect 3 "none.exr" env "$work/none.exr" -o "$work/a.png"
 expect 2 "extension must be" env --chart -o "$work/a.tiff"
+expect 2 "only .ktx2 holds levels" env --chart --mips -o "$work/a.exr"
+expect 2 "exclude each other" env --chart --half --rgb9e5 -o "$work/a.ktx2"
 
 # A chart goes through every exact cube convention and back without changing a bit.
 expect 0 "cube map of size 64" env --chart --size 64 -o "$work/chart.exr"
@@ -62,7 +64,7 @@ same "$work/chart.exr" "$work/back.exr" 0
 
 # Every kind, in every format, says what it is.
 for kind in cube octahedral latlong sphere paraboloid; do
-    for format in exr hdr png; do
+    for format in exr hdr png ktx2; do
         expect 0 "$kind map of size 48" env "$work/chart.exr" --to $kind --size 48 -o "$work/k.$format"
         expect 0 "$kind map by the convention nacre" info "$work/k.$format" --json
         jq -e ".map.kind == \"$kind\"" "$work/out" >/dev/null || fail "$kind $format: no map in --json"
@@ -72,6 +74,21 @@ expect 0 "" env "$work/chart.exr" --to latlong -o "$work/l.exr" --json
 jq -e '.schema == "nacre.env/1" and .negative == 0 and .nonfinite == 0 and .out.size == 128 and
        (.energy_out[0] / .energy_in[0] - 1 | fabs) < 0.01' "$work/out" >/dev/null ||
     fail "env --json: $(cat "$work/out")"
+
+# KTX 2: cubes with levels, whose storing error is stated.
+for store in half float rgb9e5; do
+    expect 0 "7 levels" env "$work/chart.exr" --mips --up y --$store -o "$work/cube.ktx2" --json
+    jq -e ".levels == 7 and .stored.clamped == 0 and
+           .stored.worst <= {half: 4.9e-4, float: 0, rgb9e5: 0.00196}.$store" "$work/out" >/dev/null ||
+        fail "env --$store: $(cat "$work/out")"
+    expect 0 "its x, y, z are \+x, \+z, -y of a world with z up" info "$work/cube.ktx2"
+    expect 0 "" env "$work/cube.ktx2" -o "$work/back.exr"
+    same "$work/chart.exr" "$work/back.exr" 0.002
+    if command -v file >/dev/null; then
+        file "$work/cube.ktx2" | grep -q "KTX2 texture, 64 x 64, 6 faces, 7 mipmaps" ||
+            fail "file(1): $(file "$work/cube.ktx2")"
+    fi
+done
 
 # An image that says nothing is read as told, or not at all.
 cp "$work/l.exr" "$work/mute.exr"

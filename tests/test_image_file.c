@@ -363,7 +363,7 @@ static void bad_hdr_files_are_named(void **state)
         const char *sentence;
     } cases[] = {
         CASE(NCR_E_FORMAT, "", "is empty"),
-        CASE(NCR_E_FORMAT, "GIF89a", "is neither OpenEXR nor Radiance HDR nor PNG"),
+        CASE(NCR_E_FORMAT, "GIF89a", "is neither OpenEXR, Radiance HDR, PNG nor KTX 2"),
         CASE(NCR_E_FORMAT, "#?RADIANCE", "the first line does not end"),
         CASE(NCR_E_FORMAT, HDR, "the header does not end"),
         CASE(NCR_E_FORMAT, "#?RADIANCE\nFORMAT=32-bit_rle_xyze\n\n-Y 1 +X 1\nabcd",

@@ -1,10 +1,11 @@
 /* SPDX-License-Identifier: MIT
  * seeds.c - writes small files of every format into the folders of a fuzzing corpus:
  *
- *     fuzz_seeds CORPUS      with CORPUS/{hdr,exr,png_map,field} there already */
+ *     fuzz_seeds CORPUS      with CORPUS/{hdr,exr,png_map,field,ktx2} there already */
 #include "small_field.h"
 
 #include "io/image_file.h"
+#include "io/ktx2_file.h"
 #include "tests/exr_sample_openexr.h"
 
 enum { side = 17 };
@@ -41,6 +42,27 @@ static void write_images(const char *corpus)
         words[k] = (uint16_t)(k * 77);
     FUZZ_CHECK(ncr_png16_write(NULL, in(corpus, "png_map/map.png").text, side, side, 4, words) ==
                NCR_OK);
+}
+
+/* A cube of three levels and a flat texture, in each format. */
+static void write_textures(const char *corpus)
+{
+    ncr_image levels[3];
+    for (uint32_t k = 0; k < 3; k++) {
+        FUZZ_CHECK(ncr_image_init(NULL, 4u >> k, 24u >> k, 3, &levels[k]) == NCR_OK);
+        fill(levels[k].data, (size_t)levels[k].width * levels[k].height * 3);
+    }
+    for (int k = 0; k < 2 * NCR_KTX2_FORMATS; k++) {
+        char name[64];
+        snprintf(name, sizeof name, "ktx2/%d.ktx2", k);
+        const ncr_ktx2_opts opts = {.struct_size = sizeof opts,
+                                    .format = (ncr_ktx2_format)(k / 2),
+                                    .cube = k % 2,
+                                    .comment = "nacre map: cube nacre; axes +x +y +z;"};
+        FUZZ_CHECK(ncr_ktx2_write(NULL, in(corpus, name).text, levels, 3, &opts, NULL) == NCR_OK);
+    }
+    for (uint32_t k = 0; k < 3; k++)
+        ncr_image_dispose(NULL, &levels[k]);
 }
 
 /* Flat pixels, repeats of the old kind, and turned axes. */
@@ -98,6 +120,7 @@ int main(int argc, char **argv)
     if (argc != 2)
         return 2;
     write_images(argv[1]);
+    write_textures(argv[1]);
     write_hdr_texts(argv[1]);
     write_exr_samples(argv[1]);
     write_field_files(argv[1]);
