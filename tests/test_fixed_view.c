@@ -169,6 +169,7 @@ static void smooth_facets_show_the_mirror_image(void **state)
         const double rmse = sqrt(square / (3 * probes));
         CHECK(rmse < before, "m = %g: %g after %g", roughness[k], rmse, before);
         before = rmse;
+        ncr_fixed_view_destroy(NULL, fixed);
     }
     CHECK(before < 2e-4, "a mirror is off by %g", before);
     ncr_image_dispose(NULL, &map);
