@@ -13,7 +13,6 @@ typedef struct analysis {
     ncr_sht sht;
     const ncr_image *map;
     const double *row_weight; /* [height] solid angle of a texel of each row */
-    const double *row_area;   /* the same by areas, for the report */
     double *pair_weight;      /* [rings] */
     float *tap_weight;        /* [height][NCR_TAPS] taps times row weights */
     ncr_scan *scans;          /* one for each chunk */
@@ -28,7 +27,7 @@ static void scan_row(const analysis *job, uint32_t row, size_t begin, size_t end
     job->sht.kernels->scan(end - begin, job->map->data + row * floats + begin, &part);
     scan->negative += part.negative;
     scan->nonfinite += part.nonfinite;
-    scan->square += part.square * job->row_area[row];
+    scan->square += part.square * job->row_weight[row];
 }
 
 /* --- rows ------------------------------------------------------------------------------------- */
@@ -199,10 +198,8 @@ static ncr_status prepare(const ncr_ctx *ctx, analysis *job, const ncr_harmonics
     const uint32_t h = job->map->height;
     const size_t floats = (size_t)job->map->width * job->map->channels;
     job->row_weight = weights;
-    job->row_area = weights + h;
     ncr_harmonics_row_weights(h, opts && opts->row_areas, weights);
-    ncr_harmonics_row_weights(h, true, weights + h);
-    for (uint32_t k = 0; k < 2 * h; k++)
+    for (uint32_t k = 0; k < h; k++)
         weights[k] /= job->map->width;
     job->chunks = sht->coarse ? (floats + NCR_SCAN_PART - 1) / NCR_SCAN_PART
                               : (sht->rows.pairs + sht->kernels->lanes - 1) / sht->kernels->lanes;
@@ -259,7 +256,7 @@ ncr_status ncr_harmonics_analyse(const ncr_ctx *ctx, const ncr_image *map,
     const bool clamp = opts && opts->clamp_negative;
     analysis job = {.map = map, .out = out};
     ncr_texel_report found = {0};
-    double *weights = ncr_alloc(ctx, 2 * (size_t)map->height * sizeof *weights);
+    double *weights = ncr_alloc(ctx, map->height * sizeof *weights);
     ncr_status status = !weights ? NCR_E_NOMEM
                                  : ncr_sht_init(ctx, map->width, map->height, map->channels,
                                                 out->band_limit, opts && opts->every_row, &job.sht);

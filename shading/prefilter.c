@@ -7,34 +7,49 @@
 #include "shading/prefilter.h"
 
 #include "core/vec_internal.h"
+#include "shading/harmonics_points_internal.h"
 #include "shading/prefilter_internal.h"
 
 #include <math.h>
 #include <string.h>
 
 static const double pi = 3.14159265358979323846;
+static const double scan_error = 1e-8; /* of the square, whose partial sums are floats */
 
 /* --- making one ------------------------------------------------------------------------------- */
 
-static ncr_status choose_band_limit(const ncr_ctx *ctx, const ncr_image *map,
+/* A context that keeps quiet: what fails here is an answer. */
+static ncr_ctx quiet_ctx(const ncr_ctx *ctx)
+{
+    return ctx ? (ncr_ctx){.struct_size = sizeof *ctx,
+                           .user = ctx->user,
+                           .alloc = ctx->alloc,
+                           .release = ctx->release}
+               : (ncr_ctx){.struct_size = sizeof *ctx};
+}
+
+/* Half the height of a lat-long map; as many degrees as texels allow for the other kinds. */
+static uint32_t natural_limit(const ncr_texels *t)
+{
+    const double texels = (double)t->image->width * t->image->height;
+    const uint32_t across = t->part_w < t->part_h ? t->part_w : t->part_h;
+    const double most = t->kind == NCR_MAP_LATLONG ? 0.5 * across : sqrt(texels / 8);
+    return most < 1 ? 1 : most > NCR_HARMONICS_MAX ? NCR_HARMONICS_MAX : (uint32_t)most;
+}
+
+static ncr_status choose_band_limit(const ncr_ctx *ctx, const ncr_texels *texels,
                                     const ncr_prefilter_opts *opts, uint32_t *out)
 {
     const ncr_lobe lambert = {.kind = NCR_LOBE_LAMBERT};
-    const uint32_t across = map->width < map->height ? map->width : map->height;
-    const uint32_t half = across / 2 > 1 ? across / 2 : 1;
-    const uint32_t most = half < NCR_HARMONICS_MAX ? half : NCR_HARMONICS_MAX;
     const double tolerance = opts->tolerance > 0 ? opts->tolerance : 1e-5;
     if (opts->band_limit) {
         *out = opts->band_limit;
         return NCR_OK;
     }
-    const ncr_ctx quiet = ctx ? (ncr_ctx){.struct_size = sizeof quiet,
-                                          .user = ctx->user,
-                                          .alloc = ctx->alloc,
-                                          .release = ctx->release}
-                              : (ncr_ctx){.struct_size = sizeof quiet};
+    const ncr_ctx quiet = quiet_ctx(ctx);
     const ncr_lobe *lobe = opts->sharpest ? opts->sharpest : &lambert;
-    const ncr_status status = ncr_lobe_band_limit(&quiet, lobe, tolerance, most, out);
+    const ncr_status status =
+        ncr_lobe_band_limit(&quiet, lobe, tolerance, natural_limit(texels), out);
     return status == NCR_E_LIMIT ? NCR_OK : status; /* then all that the map has */
 }
 
@@ -43,72 +58,187 @@ static void measure(ncr_prefilter *p)
     const ncr_harmonics *a = &p->harmonics;
     double resolved = 0;
     for (uint32_t l = 0; l <= a->band_limit; l++) {
-        double power = 0;
-        for (uint32_t m = 0; m <= l; m++) {
-            const double *at = ncr_harmonics_at(a, l, (int32_t)m);
-            for (uint32_t k = 0; k < 2 * a->channels; k++)
-                power += at[k] * at[k];
+        double *power = p->degree_power + 4 * (size_t)l;
+        for (uint32_t c = 0; c < a->channels; c++) {
+            for (uint32_t m = 0; m <= l; m++) {
+                const double *at = ncr_harmonics_at(a, l, (int32_t)m) + c;
+                power[c] += at[0] * at[0] + at[a->channels] * at[a->channels];
+            }
+            resolved += power[c];
         }
-        p->degree_power[l] = power;
-        resolved += power;
     }
     for (uint32_t c = 0; c < a->channels; c++)
         p->info.mean[c] = ncr_harmonics_at(a, 0, 0)[c] / sqrt(4 * pi);
-    p->info.unresolved = sqrt(fmax(0, p->info.texels.square - resolved) / (4 * pi));
+    const double left = fmax(p->info.texels.square - resolved, scan_error * p->info.texels.square);
+    p->info.unresolved = sqrt(left / (4 * pi));
 }
 
-/* With lights to be taken out, a copy of the map is worked on. */
-static ncr_status analyse(const ncr_ctx *ctx, const ncr_image *map, const ncr_prefilter_opts *opts,
-                          ncr_prefilter *p)
+static ncr_status analyse_rows(const ncr_ctx *ctx, const ncr_texels *texels,
+                               const ncr_prefilter_opts *opts, ncr_prefilter *p)
 {
+    ncr_harmonics *a = &p->harmonics;
     const ncr_harmonics_opts how = {.struct_size = sizeof how,
                                     .row_areas = opts->row_areas,
                                     .clamp_negative = opts->clamp_negative};
-    if (!(opts->peel > 0))
-        return ncr_harmonics_analyse(ctx, map, &how, &p->harmonics, &p->info.texels);
-    ncr_image copy;
-    ncr_status status = ncr_image_init(ctx, map->width, map->height, map->channels, &copy);
-    if (status)
-        return status;
-    memcpy(copy.data, map->data,
-           (size_t)map->width * map->height * map->channels * sizeof *copy.data);
-    status = ncr_prefilter_peel(ctx, &copy, opts->peel, opts->row_areas, p);
-    if (!status)
-        status = ncr_harmonics_analyse(ctx, &copy, &how, &p->harmonics, &p->info.texels);
-    ncr_image_dispose(ctx, &copy);
+    const ncr_status status = ncr_harmonics_analyse(ctx, texels->image, &how, a, &p->info.texels);
+    double mean[4] = {0};
+    for (uint32_t c = 0; !status && c < a->channels; c++)
+        mean[c] = ncr_harmonics_at(a, 0, 0)[c] / sqrt(4 * pi) - p->info.peeled[c] / (4 * pi);
+    if (!status && a->band_limit >= texels->part_h)
+        ncr_harmonics_keep_mean(texels, mean, a);
     return status;
 }
 
-ncr_status ncr_prefilter_create(const ncr_ctx *ctx, const ncr_image *map,
-                                const ncr_prefilter_opts *opts, ncr_prefilter **out)
+static ncr_status analyse(const ncr_ctx *ctx, const ncr_texels *texels,
+                          const ncr_prefilter_opts *opts, ncr_prefilter *p)
 {
-    const ncr_prefilter_opts defaults = {.struct_size = sizeof defaults};
-    *out = NULL;
-    opts = opts ? opts : &defaults;
-    if (!opts->struct_size)
-        return ncr_fail(ctx, NCR_E_ARG, "prefilter: options without a struct_size");
-    if (map->width == 0 || map->height == 0 || map->channels < 1 || map->channels > 4)
-        return ncr_fail(ctx, NCR_E_ARG, "prefilter: a %ux%u map of %u channels", map->width,
-                        map->height, map->channels);
+    ncr_status status = NCR_OK;
+    double square = 0;
+    if (opts->peel > 0)
+        status = ncr_prefilter_peel(ctx, texels, opts->peel, opts->clamp_negative, p, &square);
+    if (!status)
+        status = texels->kind == NCR_MAP_LATLONG
+                     ? analyse_rows(ctx, texels, opts, p)
+                     : ncr_harmonics_gather_texels(ctx, texels, opts->clamp_negative,
+                                                   p->info.peeled, &p->harmonics, &p->info.texels);
+    if (!status && p->point_count) {
+        p->info.texels.square = square;
+        status = ncr_prefilter_subtract_points(ctx, p);
+    }
+    return status;
+}
+
+static ncr_status create(const ncr_ctx *ctx, const ncr_texels *texels, ncr_axes axes,
+                         const ncr_prefilter_opts *opts, ncr_prefilter **out)
+{
+    const uint32_t channels = texels->image->channels;
     ncr_prefilter *p = ncr_alloc_zero(ctx, 1, sizeof *p);
     uint32_t last = 0;
-    ncr_status status = p ? choose_band_limit(ctx, map, opts, &last) : NCR_E_NOMEM;
+    ncr_status status = p ? choose_band_limit(ctx, texels, opts, &last) : NCR_E_NOMEM;
     if (!status)
-        status = ncr_harmonics_init(ctx, last, map->channels, &p->harmonics);
+        status = ncr_harmonics_init(ctx, last, channels, &p->harmonics);
     if (!status) {
-        p->degree_power = ncr_alloc(ctx, ((size_t)last + 1) * sizeof *p->degree_power);
-        status = p->degree_power ? analyse(ctx, map, opts, p) : NCR_E_NOMEM;
+        p->degree_power = ncr_alloc_zero(ctx, (size_t)last + 1, 4 * sizeof *p->degree_power);
+        status = p->degree_power ? analyse(ctx, texels, opts, p) : NCR_E_NOMEM;
     }
     if (status) {
         ncr_prefilter_destroy(ctx, p);
         return status;
     }
     measure(p);
+    p->natural = natural_limit(texels);
     p->info.band_limit = last;
-    p->info.channels = map->channels;
+    p->info.channels = channels;
+    p->info.axes = axes;
     p->info.light_count = p->light_count;
     *out = p;
     return NCR_OK;
+}
+
+static ncr_status check_opts(const ncr_ctx *ctx, const ncr_prefilter_opts *opts)
+{
+    return opts->struct_size ? NCR_OK
+                             : ncr_fail(ctx, NCR_E_ARG, "prefilter: options without a struct_size");
+}
+
+ncr_status ncr_prefilter_create(const ncr_ctx *ctx, const ncr_image *map,
+                                const ncr_prefilter_opts *opts, ncr_prefilter **out)
+{
+    const ncr_prefilter_opts defaults = {.struct_size = sizeof defaults};
+    ncr_texels texels = {0};
+    *out = NULL;
+    opts = opts ? opts : &defaults;
+    ncr_status status = check_opts(ctx, opts);
+    if (!status)
+        status = ncr_texels_of_image(ctx, map, opts->row_areas, &texels);
+    if (!status)
+        status = create(ctx, &texels, (ncr_axes){{0}}, opts, out);
+    ncr_texels_dispose(ctx, &texels);
+    return status;
+}
+
+ncr_status ncr_prefilter_create_map(const ncr_ctx *ctx, const ncr_directional_map *map,
+                                    const ncr_prefilter_opts *opts, ncr_prefilter **out)
+{
+    const ncr_prefilter_opts defaults = {.struct_size = sizeof defaults};
+    ncr_texels texels = {0};
+    *out = NULL;
+    opts = opts ? opts : &defaults;
+    ncr_status status = check_opts(ctx, opts);
+    if (!status)
+        status = ncr_texels_of_map(ctx, map, opts->row_areas, &texels);
+    if (!status)
+        status = create(ctx, &texels, map->axes, opts, out);
+    ncr_texels_dispose(ctx, &texels);
+    return status;
+}
+
+/* --- as far as lobes need it ------------------------------------------------------------------ */
+
+enum { most_useful = 2000 };
+
+/* Where a lobe has faded to a tolerance, looking no further than that. */
+static ncr_status first_limit(const ncr_ctx *ctx, const ncr_lobe *lobe, double tolerance,
+                              uint32_t most, uint32_t *out)
+{
+    const ncr_ctx quiet = quiet_ctx(ctx);
+    ncr_status status = NCR_E_LIMIT;
+    for (uint32_t far = 64; status == NCR_E_LIMIT && far < 2 * most; far *= 2)
+        status = ncr_lobe_band_limit(&quiet, lobe, tolerance, far < most ? far : most, out);
+    return status == NCR_E_LIMIT ? NCR_OK : status;
+}
+
+static ncr_status check_lobes(const ncr_ctx *ctx, const ncr_prefilter *p, size_t count,
+                              const ncr_lobe *lobes, double tolerance)
+{
+    ncr_status status = NCR_OK;
+    for (size_t k = 0; !status && k < count; k++) {
+        uint32_t order;
+        status = ncr_prefilter_order(ctx, p, &lobes[k], tolerance, &order, NULL);
+    }
+    return status;
+}
+
+ncr_status ncr_prefilter_create_for(const ncr_ctx *ctx, const ncr_directional_map *map,
+                                    size_t count, const ncr_lobe *lobes, double tolerance,
+                                    const ncr_prefilter_opts *opts, ncr_prefilter **out)
+{
+    ncr_prefilter_opts how = opts ? *opts : (ncr_prefilter_opts){.struct_size = sizeof how};
+    const uint32_t most = opts && opts->band_limit ? opts->band_limit : most_useful;
+    ncr_texels texels = {0};
+    uint32_t last = most < 8 ? most : 8;
+    *out = NULL;
+    ncr_status status = ncr_texels_of_map(ctx, map, false, &texels);
+    const uint32_t natural = status ? 0 : natural_limit(&texels);
+    ncr_texels_dispose(ctx, &texels);
+    for (size_t k = 0; !status && k < count; k++) {
+        uint32_t limit;
+        status = ncr_lobe_eigenvalues(ctx, &lobes[k], 0, &(double){0}, NULL, NULL);
+        if (!status)
+            status = first_limit(ctx, &lobes[k], tolerance, most, &limit);
+        if (!status && limit > last)
+            last = limit;
+    }
+    last = last < natural ? last : natural;
+    while (!status) {
+        how.band_limit = last < most ? last : most;
+        status = ncr_prefilter_create_map(ctx, map, &how, out);
+        if (!status)
+            status = check_lobes(ctx, *out, count, lobes, tolerance);
+        if (status != NCR_E_LIMIT || how.band_limit == most)
+            break;
+        ncr_prefilter_destroy(ctx, *out);
+        *out = NULL;
+        last *= 2;
+        status = NCR_OK;
+    }
+    if (status == NCR_E_LIMIT)
+        return NCR_OK; /* as far as it goes */
+    if (status) {
+        ncr_prefilter_destroy(ctx, *out);
+        *out = NULL;
+    }
+    return status;
 }
 
 void ncr_prefilter_destroy(const ncr_ctx *ctx, ncr_prefilter *p)
@@ -117,12 +247,21 @@ void ncr_prefilter_destroy(const ncr_ctx *ctx, ncr_prefilter *p)
         return;
     ncr_harmonics_dispose(ctx, &p->harmonics);
     ncr_free(ctx, p->degree_power);
+    ncr_free(ctx, p->points);
     ncr_free(ctx, p);
 }
 
 ncr_prefilter_info ncr_prefilter_info_get(const ncr_prefilter *p)
 {
     return p->info;
+}
+
+double ncr_prefilter_mean(const ncr_prefilter *p)
+{
+    double sum = 0;
+    for (uint32_t c = 0; c < p->info.channels; c++)
+        sum += p->info.mean[c] + p->info.peeled[c] / (4 * pi);
+    return sum / p->info.channels;
 }
 
 const ncr_prefilter_light *ncr_prefilter_lights(const ncr_prefilter *p)
@@ -135,83 +274,14 @@ const ncr_harmonics *ncr_prefilter_harmonics(const ncr_prefilter *p)
     return &p->harmonics;
 }
 
-/* --- a lobe made ready ------------------------------------------------------------------------ */
-
-ncr_status ncr_filter_init(const ncr_ctx *ctx, const ncr_prefilter *p, const ncr_lobe *lobe,
-                           const ncr_prefilter_output *opts, ncr_filter *out)
-{
-    const uint32_t last = p->harmonics.band_limit;
-    *out = (ncr_filter){.band_limit = last};
-    if (opts && !opts->struct_size)
-        return ncr_fail(ctx, NCR_E_ARG, "prefilter: options without a struct_size");
-    double *lambda = ncr_alloc(ctx, ((size_t)last + 1) * sizeof *lambda);
-    if (!lambda)
-        return NCR_E_NOMEM;
-    const ncr_status status =
-        ncr_lobe_eigenvalues(ctx, lobe, last, lambda, &out->integral, &out->error);
-    if (status) {
-        ncr_free(ctx, lambda);
-        return status;
-    }
-    if (opts)
-        ncr_window_apply(opts->window, last, lambda);
-    out->lambda = lambda;
-    return NCR_OK;
-}
-
-void ncr_filter_dispose(const ncr_ctx *ctx, ncr_filter *filter)
-{
-    ncr_free(ctx, filter->lambda);
-    *filter = (ncr_filter){0};
-}
-
-/* Largest eigenvalue beyond the band limit: the envelope falls, so as far again is far enough. */
-static ncr_status largest_left_out(const ncr_ctx *ctx, const ncr_lobe *lobe, uint32_t band_limit,
-                                   double *out)
-{
-    const uint32_t last = 2 * band_limit + 8;
-    double *lambda = ncr_alloc(ctx, ((size_t)last + 1) * sizeof *lambda);
-    const ncr_status status =
-        lambda ? ncr_lobe_eigenvalues(ctx, lobe, last, lambda, NULL, NULL) : NCR_E_NOMEM;
-    *out = 0;
-    for (uint32_t l = band_limit + 1; !status && l <= last; l++)
-        *out = fmax(*out, fabs(lambda[l]));
-    ncr_free(ctx, lambda);
-    return status;
-}
-
-/* The mean of |map|: the mean itself if nothing is negative, else no more than the rms. */
-static double mean_size(const ncr_prefilter *p)
-{
-    double mean = 0;
-    for (uint32_t c = 0; c < p->info.channels; c++)
-        mean = fmax(mean, p->info.mean[c]);
-    return p->info.texels.negative ? sqrt(p->info.texels.square / (4 * pi)) : mean;
-}
-
-ncr_status ncr_filter_report(const ncr_ctx *ctx, const ncr_prefilter *p, const ncr_lobe *lobe,
-                             const ncr_filter *filter, ncr_prefilter_report *report)
-{
-    double left_out;
-    const ncr_status status = largest_left_out(ctx, lobe, filter->band_limit, &left_out);
-    if (status)
-        return status;
-    *report = (ncr_prefilter_report){
-        .band_limit = filter->band_limit,
-        .bound_max = mean_size(p) * ncr_lobe_truncation(lobe, filter->band_limit, filter->lambda,
-                                                        filter->integral),
-        .bound_rms = left_out * p->info.unresolved,
-        .lambda_error = filter->error,
-    };
-    return NCR_OK;
-}
-
 /* --- equirectangular outputs ------------------------------------------------------------------ */
 
 typedef struct finish {
+    const ncr_prefilter *prefilter;
     const ncr_image *map;
-    const ncr_light_response *lights;
-    size_t light_count;
+    const ncr_lobe *lobe;
+    double integral;
+    size_t point_count;
     bool clamp;
     uint64_t *clamped; /* [height] */
     double *added;     /* [height] */
@@ -223,10 +293,9 @@ static void add_lights(const finish *job, uint32_t y)
     const double theta = (y + 0.5) * pi / map->height;
     for (uint32_t x = 0; x < map->width; x++) {
         const double phi = (x + 0.5) * 2 * pi / map->width;
-        const ncr_vec3 d = {(float)(sin(theta) * cos(phi)), (float)(sin(theta) * sin(phi)),
-                            (float)cos(theta)};
-        for (size_t k = 0; k < job->light_count; k++)
-            ncr_light_add(&job->lights[k], d, map->channels, ncr_image_at(map, x, y));
+        const double d[3] = {sin(theta) * cos(phi), sin(theta) * sin(phi), cos(theta)};
+        ncr_light_points_add(job->point_count, job->prefilter->points, job->lobe, job->integral, d,
+                             map->channels, ncr_image_at(map, x, y));
     }
 }
 
@@ -237,7 +306,7 @@ static void finish_rows(size_t first, size_t past, unsigned worker, void *arg)
     (void)worker;
     for (size_t y = first; y < past; y++) {
         float *row = job->map->data + y * floats;
-        if (job->light_count)
+        if (job->point_count)
             add_lights(job, (uint32_t)y);
         job->clamped[y] = 0;
         job->added[y] = 0;
@@ -277,24 +346,22 @@ ncr_status ncr_prefilter_equirect(const ncr_ctx *ctx, const ncr_prefilter *p, co
                                   ncr_prefilter_report *report)
 {
     ncr_filter filter;
-    ncr_light_response *lights = NULL;
     ncr_prefilter_report found = {0};
     ncr_status status = ncr_filter_init(ctx, p, lobe, opts, &filter);
-    if (!status && p->light_count && !(opts && opts->lights_off))
-        status = ncr_light_responses(ctx, p, lobe, filter.integral, &lights);
     if (!status)
         status = ncr_harmonics_synthesise(ctx, &p->harmonics, filter.lambda, NULL, map);
     if (!status && report)
         status = ncr_filter_report(ctx, p, lobe, &filter, &found);
-    finish job = {.map = map,
-                  .lights = lights,
-                  .light_count = lights ? p->light_count : 0,
+    finish job = {.prefilter = p,
+                  .map = map,
+                  .lobe = lobe,
+                  .integral = filter.integral,
+                  .point_count = opts && opts->lights_off ? 0 : p->point_count,
                   .clamp = opts && opts->positivity == NCR_POSITIVITY_CLAMP};
-    if (!status && (job.clamp || lights))
+    if (!status && (job.clamp || job.point_count))
         status = finish_map(ctx, &job, &found);
     if (!status && report)
         *report = found;
-    ncr_free(ctx, lights);
     ncr_filter_dispose(ctx, &filter);
     return status;
 }

@@ -1,46 +1,54 @@
 /* SPDX-License-Identifier: MIT */
 #include "core/vec_internal.h"
-#include "shading/prefilter.h"
+#include "shading/prefilter_internal.h"
 
 #include <math.h>
+#include <string.h>
+
+/* Texels come in runs whose directions are worked out once; then each output direction sums over
+ * the run. */
+enum { run_texels = 1 << 14 };
 
 typedef struct direct_job {
-    const ncr_image *map;
+    const ncr_texels *texels;
     const ncr_lobe *lobe;
-    const double *directions; /* [count][3] */
-    const double *area;       /* [height] weight of one texel of each row */
-    const double *turns;      /* [width][2] cos and sin of phi */
-    double integral, *out;
+    const double *directions; /* [count][3] along the map's axes */
+    double *at, *area;        /* [run_texels][3] directions and [run_texels] areas of the run */
+    size_t first, past;       /* texels of the run */
+    double *sum;              /* [count][channels + 1]: of light, and of 1 */
 } direct_job;
 
-/* 1 - cos of the angle, as half the squared chord: sharp lobes need its small values. */
-static double one_minus_cos(const double a[3], const double b[3])
+static void place_texels(size_t first, size_t past, unsigned worker, void *arg)
 {
-    double chord[3];
-    d_sub(a, b, chord);
-    return 0.5 * d_dot(chord, chord);
+    const direct_job *job = arg;
+    const uint32_t w = job->texels->image->width;
+    (void)worker;
+    for (size_t i = first; i < past; i++) {
+        const size_t k = job->first + i;
+        job->area[i] =
+            ncr_texels_at(job->texels, (uint32_t)(k % w), (uint32_t)(k / w), job->at + 3 * i);
+    }
 }
 
-static void sum_texels(const direct_job *job, const double r[3], double *out)
+/* u = 1 - cos of the angle, as half the squared chord: sharp lobes need its small values. */
+static void sum_run(const direct_job *job, const double r[3], double *sum)
 {
-    const ncr_image *map = job->map;
-    double sum[4] = {0};
-    for (uint32_t y = 0; y < map->height; y++) {
-        const double theta = (y + 0.5) * 3.14159265358979323846 / map->height;
-        const double c = cos(theta), s = sin(theta);
-        double row[4] = {0};
-        for (uint32_t x = 0; x < map->width; x++) {
-            const double l[3] = {s * job->turns[2 * x], s * job->turns[2 * x + 1], c};
-            const double k = ncr_lobe_value(job->lobe, fmin(one_minus_cos(r, l), 2));
-            const float *at = ncr_image_at(map, x, y);
-            for (uint32_t i = 0; k != 0 && i < map->channels; i++)
-                row[i] += isfinite(at[i]) ? k * (double)at[i] : 0;
-        }
-        for (uint32_t i = 0; i < map->channels; i++)
-            sum[i] += job->area[y] * row[i];
+    const uint32_t channels = job->texels->image->channels;
+    double part[5] = {0};
+    for (size_t k = job->first; k < job->past; k++) {
+        double chord[3];
+        d_sub(r, job->at + 3 * (k - job->first), chord);
+        const double v = ncr_lobe_value(job->lobe, fmin(0.5 * d_dot(chord, chord), 2));
+        if (v == 0)
+            continue;
+        const float *texel = job->texels->image->data + k * channels;
+        const double weight = v * job->area[k - job->first];
+        for (uint32_t c = 0; c < channels; c++)
+            part[c] += isfinite(texel[c]) ? weight * (double)texel[c] : 0;
+        part[channels] += weight;
     }
-    for (uint32_t i = 0; i < map->channels; i++)
-        out[i] = sum[i] / job->integral;
+    for (uint32_t c = 0; c <= channels; c++)
+        sum[c] += part[c];
 }
 
 static void sum_directions(size_t first, size_t past, unsigned worker, void *arg)
@@ -48,35 +56,72 @@ static void sum_directions(size_t first, size_t past, unsigned worker, void *arg
     const direct_job *job = arg;
     (void)worker;
     for (size_t k = first; k < past; k++)
-        sum_texels(job, job->directions + 3 * k, job->out + k * job->map->channels);
+        sum_run(job, job->directions + 3 * k, job->sum + k * (job->texels->image->channels + 1));
+}
+
+static ncr_status sum_texels(const ncr_ctx *ctx, direct_job *job, size_t count)
+{
+    const size_t texels = (size_t)job->texels->image->width * job->texels->image->height;
+    ncr_status status = NCR_OK;
+    for (job->first = 0; !status && job->first < texels; job->first = job->past) {
+        const size_t left = texels - job->first;
+        job->past = job->first + (left < run_texels ? left : run_texels);
+        status = ncr_parallel_for(ctx, job->past - job->first, 1024, place_texels, job);
+        if (!status)
+            status = ncr_parallel_for(ctx, count, 1, sum_directions, job);
+    }
+    return status;
+}
+
+static ncr_status direct(const ncr_ctx *ctx, const ncr_texels *texels, const ncr_lobe *lobe,
+                         size_t count, const double *directions, double *out, double *whole)
+{
+    const uint32_t channels = texels->image->channels;
+    double lambda, integral;
+    ncr_status status = ncr_lobe_eigenvalues(ctx, lobe, 0, &lambda, &integral, NULL);
+    if (status)
+        return status;
+    direct_job job = {.texels = texels, .lobe = lobe, .directions = directions};
+    job.at = ncr_alloc(ctx, 4 * run_texels * sizeof *job.at);
+    job.sum = ncr_alloc_zero(ctx, count, (channels + 1) * sizeof *job.sum);
+    job.area = job.at + 3 * run_texels;
+    status = job.at && job.sum ? sum_texels(ctx, &job, count) : NCR_E_NOMEM;
+    for (size_t k = 0; !status && k < count; k++) {
+        for (uint32_t c = 0; c < channels; c++)
+            out[k * channels + c] = job.sum[k * (channels + 1) + c] / integral;
+        if (whole)
+            whole[k] = job.sum[k * (channels + 1) + channels] / integral;
+    }
+    ncr_free(ctx, job.at);
+    ncr_free(ctx, job.sum);
+    return status;
 }
 
 ncr_status ncr_prefilter_direct(const ncr_ctx *ctx, const ncr_image *map, const ncr_lobe *lobe,
                                 bool row_areas, size_t count, const double *directions, double *out)
 {
-    direct_job job = {.map = map, .lobe = lobe, .directions = directions, .out = out};
-    if (map->width == 0 || map->height == 0 || map->channels < 1 || map->channels > 4)
-        return ncr_fail(ctx, NCR_E_ARG, "prefilter: a %ux%u map of %u channels", map->width,
-                        map->height, map->channels);
-    double lambda;
-    ncr_status status = ncr_lobe_eigenvalues(ctx, lobe, 0, &lambda, &job.integral, NULL);
-    if (status)
-        return status;
-    double *area = ncr_alloc(ctx, (map->height + 2 * (size_t)map->width) * sizeof *area);
-    if (!area)
+    ncr_texels texels;
+    ncr_status status = ncr_texels_of_image(ctx, map, row_areas, &texels);
+    if (!status)
+        status = direct(ctx, &texels, lobe, count, directions, out, NULL);
+    ncr_texels_dispose(ctx, &texels);
+    return status;
+}
+
+ncr_status ncr_prefilter_direct_map(const ncr_ctx *ctx, const ncr_directional_map *map,
+                                    const ncr_lobe *lobe, size_t count, const double *directions,
+                                    double *out, double *whole)
+{
+    ncr_texels texels;
+    double *own = ncr_alloc(ctx, 3 * count * sizeof *own);
+    if (!own)
         return NCR_E_NOMEM;
-    double *turns = area + map->height;
-    ncr_harmonics_row_weights(map->height, row_areas, area);
-    for (uint32_t y = 0; y < map->height; y++)
-        area[y] /= map->width;
-    for (uint32_t x = 0; x < map->width; x++) {
-        const double phi = (x + 0.5) * 2 * 3.14159265358979323846 / map->width;
-        turns[2 * x] = cos(phi);
-        turns[2 * x + 1] = sin(phi);
-    }
-    job.area = area;
-    job.turns = turns;
-    status = ncr_parallel_for(ctx, count, 1, sum_directions, &job);
-    ncr_free(ctx, area);
+    ncr_status status = ncr_texels_of_map(ctx, map, false, &texels);
+    for (size_t k = 0; k < count; k++)
+        ncr_axes_apply(map->axes, directions + 3 * k, own + 3 * k);
+    if (!status)
+        status = direct(ctx, &texels, lobe, count, own, out, whole);
+    ncr_texels_dispose(ctx, &texels);
+    ncr_free(ctx, own);
     return status;
 }

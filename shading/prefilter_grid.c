@@ -23,8 +23,10 @@ struct ncr_prefilter_grid {
     float *weights;   /* wide, then tall */
     uint32_t channels;
     bool clamp;
-    size_t light_count;
-    ncr_light_response *lights;
+    ncr_lobe lobe; /* of the points */
+    double integral;
+    size_t point_count;
+    ncr_light_point *points;
 };
 
 /* --- weights ---------------------------------------------------------------------------------- */
@@ -74,15 +76,21 @@ void ncr_grid_weights_fill(float *wide)
 
 /* --- texels ----------------------------------------------------------------------------------- */
 
+static double degree_power(const ncr_prefilter *p, uint32_t l)
+{
+    const double *at = p->degree_power + 4 * (size_t)l;
+    return (at[0] + at[1]) + (at[2] + at[3]);
+}
+
 /* Degrees whose filtered power is below 1e-14 of the whole need no finer grid. */
 static uint32_t highest_degree(const ncr_prefilter *p, const ncr_filter *filter)
 {
     double whole = 0, above = 0;
     for (uint32_t l = 0; l <= filter->band_limit; l++)
-        whole += filter->lambda[l] * filter->lambda[l] * p->degree_power[l];
+        whole += filter->lambda[l] * filter->lambda[l] * degree_power(p, l);
     uint32_t last = filter->band_limit;
     for (; last > 0; last--) {
-        above += filter->lambda[last] * filter->lambda[last] * p->degree_power[last];
+        above += filter->lambda[last] * filter->lambda[last] * degree_power(p, last);
         if (above > negligible * negligible * whole)
             break;
     }
@@ -97,7 +105,7 @@ static double resampling_error(const ncr_prefilter *p, const ncr_filter *filter,
     ncr_taps_prepare(NCR_GRID_TAPS, grid_band, grid_emphasis, &solver);
     for (uint32_t l = 0; l <= last; l++) {
         const double error = ncr_taps_error_at(&solver, (double)l / height);
-        square += 2 * error * error * filter->lambda[l] * filter->lambda[l] * p->degree_power[l];
+        square += 2 * error * error * filter->lambda[l] * filter->lambda[l] * degree_power(p, l);
     }
     return sqrt(square / (4 * pi));
 }
@@ -118,7 +126,7 @@ static void spread_texels(const ncr_image *map, ncr_image *out)
     }
 }
 
-static uint32_t grid_height(uint32_t last)
+uint32_t ncr_grid_height(uint32_t last)
 {
     const uint32_t enough = (uint32_t)ceil(last / grid_band);
     return ncr_fft_smooth_above(enough > 8 ? enough : 8);
@@ -142,11 +150,24 @@ static ncr_status fill_texels(const ncr_ctx *ctx, const ncr_prefilter *p, const 
 
 /* --- the grid --------------------------------------------------------------------------------- */
 
+static ncr_status copy_points(const ncr_ctx *ctx, const ncr_prefilter *p, const ncr_lobe *lobe,
+                              double integral, ncr_prefilter_grid *g)
+{
+    g->points = ncr_alloc(ctx, p->point_count * sizeof *g->points);
+    if (!g->points)
+        return NCR_E_NOMEM;
+    memcpy(g->points, p->points, p->point_count * sizeof *g->points);
+    g->point_count = p->point_count;
+    g->lobe = *lobe;
+    g->integral = integral;
+    return NCR_OK;
+}
+
 static ncr_status fill_grid(const ncr_ctx *ctx, const ncr_prefilter *p, const ncr_lobe *lobe,
                             const ncr_prefilter_output *opts, const ncr_filter *filter,
                             ncr_prefilter_grid *g, ncr_prefilter_report *report)
 {
-    const uint32_t last = highest_degree(p, filter), height = grid_height(last);
+    const uint32_t last = highest_degree(p, filter), height = ncr_grid_height(last);
     ncr_status status = fill_texels(ctx, p, filter, height, &g->texels);
     if (status)
         return status;
@@ -163,10 +184,8 @@ static ncr_status fill_grid(const ncr_ctx *ctx, const ncr_prefilter *p, const nc
                                 .data = g->texels.data,
                                 .wide = g->weights,
                                 .tall = g->weights + NCR_GRID_WIDE_FLOATS};
-    if (p->light_count && !(opts && opts->lights_off)) {
-        status = ncr_light_responses(ctx, p, lobe, filter->integral, &g->lights);
-        g->light_count = p->light_count;
-    }
+    if (p->point_count && !(opts && opts->lights_off))
+        status = copy_points(ctx, p, lobe, filter->integral, g);
     if (!status && report) {
         status = ncr_filter_report(ctx, p, lobe, filter, report);
         report->resampling = resampling_error(p, filter, last, height);
@@ -203,7 +222,7 @@ void ncr_prefilter_grid_destroy(const ncr_ctx *ctx, ncr_prefilter_grid *g)
         return;
     ncr_image_dispose(ctx, &g->texels);
     ncr_free(ctx, g->weights);
-    ncr_free(ctx, g->lights);
+    ncr_free(ctx, g->points);
     ncr_free(ctx, g);
 }
 
@@ -211,8 +230,11 @@ void ncr_prefilter_grid_destroy(const ncr_ctx *ctx, ncr_prefilter_grid *g)
 static void finish_value(const ncr_prefilter_grid *g, ncr_vec3 d, float *value, uint64_t *clamped,
                          double *added)
 {
-    for (size_t k = 0; k < g->light_count; k++)
-        ncr_light_add(&g->lights[k], v_unit(d), g->channels, value);
+    double at[3];
+    v_to_d(d, at);
+    if (g->point_count && d_normalize(at))
+        ncr_light_points_add(g->point_count, g->points, &g->lobe, g->integral, at, g->channels,
+                             value);
     for (uint32_t c = 0; g->clamp && c < g->channels; c++) {
         if (value[c] < 0) {
             ++*clamped;
@@ -231,7 +253,7 @@ static void sample(const ncr_prefilter_grid *g, size_t count, const ncr_vec3 *di
         const size_t n = count - first < NCR_GRID_BATCH ? count - first : NCR_GRID_BATCH;
         kernels->sample_grid(&g->grid, n, directions + first, batch[0]);
         for (size_t k = 0; k < n; k++) {
-            if (g->light_count || g->clamp)
+            if (g->point_count || g->clamp)
                 finish_value(g, directions[first + k], batch[k], clamped, added);
             for (uint32_t c = 0; c < g->channels; c++)
                 out[(first + k) * g->channels + c] = batch[k][c];

@@ -4,19 +4,28 @@
 #define NCR_SHADING_PREFILTER_INTERNAL_H
 
 #include "shading/prefilter.h"
+#include "shading/texels_internal.h"
+
+/* Light from one direction, taken out of the map. */
+typedef struct ncr_light_point {
+    double direction[3], power[4];
+} ncr_light_point;
 
 struct ncr_prefilter {
-    ncr_harmonics harmonics;
+    ncr_harmonics harmonics; /* of the map without the points */
     ncr_prefilter_info info;
-    double *degree_power; /* [band_limit + 1] sum over m and channels of a^2 */
-    size_t light_count;
+    uint32_t natural;     /* the degree up to which the map's texels tell harmonics apart */
+    double *degree_power; /* [band_limit + 1][4] sum over m of a^2, by channel */
+    size_t light_count, point_count;
     ncr_prefilter_light lights[NCR_PREFILTER_LIGHTS];
+    ncr_light_point *points; /* of all lights */
 };
 
-/* A lobe made ready for one prefilter: eigenvalues with their window. */
+/* A lobe made ready for one prefilter. */
 typedef struct ncr_filter {
-    uint32_t band_limit;
-    double *lambda; /* [band_limit + 1] */
+    uint32_t band_limit, order; /* of the prefilter; degrees kept */
+    double *lambda;             /* [band_limit + 1] cut off beyond the order, with the window */
+    double *exact;              /* [band_limit + 1] */
     double integral, error;
 } ncr_filter;
 
@@ -29,24 +38,19 @@ ncr_status ncr_filter_report(const ncr_ctx *ctx, const ncr_prefilter *prefilter,
                              const ncr_lobe *lobe, const ncr_filter *filter,
                              ncr_prefilter_report *report);
 
-/* Take lights out of a map in place (prefilter_lights.c). Fills lights, light_count and peeled. */
-ncr_status ncr_prefilter_peel(const ncr_ctx *ctx, const ncr_image *map, double share,
-                              bool row_areas, ncr_prefilter *prefilter);
+/* Find lights: fills lights, points and peeled; *square is that of what is left
+ * (prefilter_lights.c). */
+ncr_status ncr_prefilter_peel(const ncr_ctx *ctx, const ncr_texels *texels, double share,
+                              bool clamp_negative, ncr_prefilter *prefilter, double *square);
+/* Take the points' harmonics out of the map's. */
+ncr_status ncr_prefilter_subtract_points(const ncr_ctx *ctx, ncr_prefilter *prefilter);
 
-/* What one disc of light of power 1 gives in a direction at chord c = |r - d|, by a table over
- * y = c / (c + c0). */
-enum { NCR_RESPONSE_STEPS = 4096 };
-typedef struct ncr_light_response {
-    float direction[3], power[4], c0;
-    float table[NCR_RESPONSE_STEPS + 2];
-} ncr_light_response;
+/* Add what points give in unit direction d to `channels` values. */
+void ncr_light_points_add(size_t count, const ncr_light_point *points, const ncr_lobe *lobe,
+                          double integral, const double d[3], uint32_t channels, float *value);
 
-/* Responses for all lights; *out is NULL without any. Release with ncr_free. */
-ncr_status ncr_light_responses(const ncr_ctx *ctx, const ncr_prefilter *prefilter,
-                               const ncr_lobe *lobe, double integral, ncr_light_response **out);
-
-/* Add one light's share in unit direction d to `channels` values. */
-void ncr_light_add(const ncr_light_response *light, ncr_vec3 d, uint32_t channels, float *value);
+/* Rows of the grid that looks up what has no detail above a degree. */
+uint32_t ncr_grid_height(uint32_t last);
 
 /* A map on a grid of texels of four floats, `border` texels over at each side. */
 typedef struct ncr_sphere_grid {

@@ -1,55 +1,149 @@
 /* SPDX-License-Identifier: MIT */
 #include "core/vec_internal.h"
 #include "shading/prefilter_internal.h"
-#include "shading/quadrature_internal.h"
 
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
 /* A sun holds much of a map's light in a few texels. Cut off at any band limit it rings, and its
- * ringing is the largest error of the output. Taken out, it is a disc of known power whose filtered
- * image is the lobe itself, and the rest of the map is tame.                       [S-42] [S-52] */
+ * ringing is the largest error of the output. Taken out, it is a handful of points whose filtered
+ * image is the lobe itself, and the rest of the map is tame.                       [S-42] [S-52]
+ *
+ * The map is not touched: the points' harmonics are subtracted from the map's. */
 
 static const double pi = 3.14159265358979323846;
 static const double light_above_mean = 16, light_below_peak = 32, largest_light = 0.05;
+enum { most_points = 64 }; /* a light of more texels than this has blocks of them for points */
+
+enum { BRIGHT, TAKEN };
 
 typedef struct bright {
     uint32_t texel;
     float level; /* mean of the channels */
+    int state;
 } bright;
 
 typedef struct search {
-    const ncr_image *map;
-    double *area; /* [height] of one texel of each row */
-    uint8_t *state;
-    bright *found;
-    uint32_t *patch; /* texels of the light at hand */
+    const ncr_texels *texels;
+    bool clamp;
+    double *row_power, *row_square; /* [height] integrals of level and of squares */
+    size_t *row_bright;             /* [height + 1] how many before each row */
+    bright *found;                  /* by texel */
+    uint32_t *order;                /* of found, brightest first */
+    uint32_t *patch;                /* of found: the light at hand */
     size_t found_count, patch_count;
-    double mean;
+    double mean, square; /* of the texels that are not bright */
 } search;
 
-enum { DARK = 0, BRIGHT, TAKEN };
-
-static float level_at(const ncr_image *map, size_t texel)
+static double value_at(const search *s, size_t texel, uint32_t c)
 {
-    const float *at = map->data + texel * map->channels;
-    float sum = 0;
-    for (uint32_t c = 0; c < map->channels; c++)
-        sum += at[c] - at[c] == 0 ? at[c] : 0;
-    return sum / (float)map->channels;
+    const float x = s->texels->image->data[texel * s->texels->image->channels + c];
+    return x - x != 0 || (s->clamp && x < 0) ? 0 : (double)x;
 }
 
-static double mean_level(const search *s)
+static double level_at(const search *s, size_t texel)
 {
     double sum = 0;
-    for (uint32_t y = 0; y < s->map->height; y++) {
-        double row = 0;
-        for (uint32_t x = 0; x < s->map->width; x++)
-            row += (double)level_at(s->map, (size_t)y * s->map->width + x);
-        sum += row * s->area[y];
+    for (uint32_t c = 0; c < s->texels->image->channels; c++)
+        sum += value_at(s, texel, c);
+    return sum / s->texels->image->channels;
+}
+
+static double square_at(const search *s, size_t texel)
+{
+    double sum = 0;
+    for (uint32_t c = 0; c < s->texels->image->channels; c++)
+        sum += value_at(s, texel, c) * value_at(s, texel, c);
+    return sum;
+}
+
+static double area_of(const search *s, uint32_t texel, double d[3])
+{
+    const uint32_t w = s->texels->image->width;
+    return ncr_texels_at(s->texels, texel % w, texel / w, d);
+}
+
+/* --- finding ---------------------------------------------------------------------------------- */
+
+static void weigh_rows(size_t first, size_t past, unsigned worker, void *arg)
+{
+    const search *s = arg;
+    const uint32_t w = s->texels->image->width;
+    (void)worker;
+    for (size_t y = first; y < past; y++) {
+        double d[3], power = 0;
+        for (uint32_t x = 0; x < w; x++)
+            power += level_at(s, y * w + x) * ncr_texels_at(s->texels, x, (uint32_t)y, d);
+        s->row_power[y] = power;
     }
-    return sum / (4 * pi);
+}
+
+static bool is_bright(const search *s, size_t texel)
+{
+    return level_at(s, texel) > light_above_mean * s->mean;
+}
+
+static void count_rows(size_t first, size_t past, unsigned worker, void *arg)
+{
+    const search *s = arg;
+    const uint32_t w = s->texels->image->width;
+    (void)worker;
+    for (size_t y = first; y < past; y++) {
+        double d[3];
+        s->row_bright[y + 1] = 0;
+        s->row_square[y] = 0;
+        for (size_t k = y * w; k < (y + 1) * w; k++) {
+            if (is_bright(s, k))
+                s->row_bright[y + 1]++;
+            else
+                s->row_square[y] += square_at(s, k) * area_of(s, (uint32_t)k, d);
+        }
+    }
+}
+
+static void collect_rows(size_t first, size_t past, unsigned worker, void *arg)
+{
+    const search *s = arg;
+    const uint32_t w = s->texels->image->width;
+    (void)worker;
+    for (size_t y = first; y < past; y++) {
+        size_t at = s->row_bright[y];
+        for (size_t k = y * w; k < (y + 1) * w && at < s->row_bright[y + 1]; k++)
+            if (is_bright(s, k))
+                s->found[at++] = (bright){(uint32_t)k, (float)level_at(s, k), BRIGHT};
+    }
+}
+
+static ncr_status find_bright(const ncr_ctx *ctx, search *s)
+{
+    const uint32_t h = s->texels->image->height;
+    ncr_status status = ncr_parallel_for(ctx, h, 16, weigh_rows, s);
+    if (status)
+        return status;
+    for (uint32_t y = 0; y < h; y++)
+        s->mean += s->row_power[y] / (4 * pi);
+    status = ncr_parallel_for(ctx, h, 16, count_rows, s);
+    if (status)
+        return status;
+    s->row_bright[0] = 0;
+    for (uint32_t y = 0; y < h; y++) {
+        s->row_bright[y + 1] += s->row_bright[y];
+        s->square += s->row_square[y];
+    }
+    s->found_count = s->row_bright[h];
+    s->found = ncr_alloc(ctx, s->found_count * sizeof *s->found);
+    s->order = ncr_alloc(ctx, 2 * s->found_count * sizeof *s->order);
+    if (!s->found || !s->order)
+        return NCR_E_NOMEM;
+    s->patch = s->order + s->found_count;
+    return ncr_parallel_for(ctx, h, 16, collect_rows, s);
+}
+
+static int by_texel(const void *a, const void *b)
+{
+    const uint32_t p = ((const bright *)a)->texel, q = ((const bright *)b)->texel;
+    return (p > q) - (p < q);
 }
 
 static int brighter_first(const void *a, const void *b)
@@ -57,124 +151,183 @@ static int brighter_first(const void *a, const void *b)
     const bright *p = a, *q = b;
     if (p->level != q->level)
         return p->level > q->level ? -1 : 1;
-    return (p->texel > q->texel) - (p->texel < q->texel);
+    return by_texel(a, b);
 }
 
-static size_t count_bright(const search *s, bright *out)
+/* Sorted by brightness once, to note the order, and back. */
+static void sort_bright(search *s)
 {
-    const size_t texels = (size_t)s->map->width * s->map->height;
-    size_t count = 0;
-    for (size_t k = 0; k < texels; k++) {
-        const float level = level_at(s->map, k);
-        if ((double)level > light_above_mean * s->mean) {
-            if (out)
-                out[count] = (bright){(uint32_t)k, level};
-            count++;
-        }
-    }
-    return count;
+    qsort(s->found, s->found_count, sizeof *s->found, brighter_first);
+    for (size_t k = 0; k < s->found_count; k++)
+        s->order[k] = s->found[k].texel;
+    qsort(s->found, s->found_count, sizeof *s->found, by_texel);
 }
 
-/* The eight texels around one, wrapped in longitude; returns how many there are. */
-static int neighbours(const ncr_image *map, uint32_t texel, uint32_t out[8])
+static bright *lookup(const search *s, uint32_t texel)
 {
-    const uint32_t w = map->width, x = texel % w, y = texel / w;
-    int count = 0;
-    for (int dy = -1; dy <= 1; dy++) {
-        for (int dx = -1; dx <= 1; dx++) {
-            const int64_t row = (int64_t)y + dy;
-            if ((dx || dy) && row >= 0 && row < map->height)
-                out[count++] = (uint32_t)row * w + (uint32_t)((int64_t)x + dx + w) % w;
-        }
-    }
-    return count;
+    const bright key = {.texel = texel};
+    return bsearch(&key, s->found, s->found_count, sizeof key, by_texel);
 }
 
-static void grow_patch(search *s, const bright *seed)
+/* --- one light -------------------------------------------------------------------------------- */
+
+static void grow_patch(search *s, bright *seed)
 {
     const double least = fmax(light_above_mean * s->mean, (double)seed->level / light_below_peak);
     s->patch_count = 0;
     s->patch[s->patch_count++] = seed->texel;
-    s->state[seed->texel] = TAKEN;
+    seed->state = TAKEN;
     for (size_t k = 0; k < s->patch_count; k++) {
         uint32_t around[8];
-        const int count = neighbours(s->map, s->patch[k], around);
+        const int count = ncr_texels_around(s->texels, s->patch[k], around);
         for (int i = 0; i < count; i++) {
-            if (s->state[around[i]] == BRIGHT && (double)level_at(s->map, around[i]) > least) {
-                s->state[around[i]] = TAKEN;
-                s->patch[s->patch_count++] = around[i];
+            bright *b = lookup(s, around[i]);
+            if (b && b->state == BRIGHT && (double)b->level > least) {
+                b->state = TAKEN;
+                s->patch[s->patch_count++] = b->texel;
             }
         }
     }
 }
 
+static bool in_patch(const search *s, uint32_t texel)
+{
+    const bright *b = lookup(s, texel);
+    return b && b->state == TAKEN;
+}
+
 /* Mean of the finite texels that touch the patch: what is behind the light. */
 static void find_background(const search *s, double out[4])
 {
-    const ncr_image *map = s->map;
+    const uint32_t channels = s->texels->image->channels;
     double sum[4] = {0}, weight = 0;
     for (size_t k = 0; k < s->patch_count; k++) {
         uint32_t around[8];
-        const int count = neighbours(map, s->patch[k], around);
+        const int count = ncr_texels_around(s->texels, s->patch[k], around);
         for (int i = 0; i < count; i++) {
-            if (s->state[around[i]] == TAKEN)
+            if (in_patch(s, around[i]))
                 continue;
-            const float *at = map->data + (size_t)around[i] * map->channels;
-            for (uint32_t c = 0; c < map->channels; c++)
-                sum[c] += at[c] - at[c] == 0 && at[c] > 0 ? (double)at[c] : 0;
+            for (uint32_t c = 0; c < channels; c++)
+                sum[c] += fmax(value_at(s, around[i], c), 0);
             weight += 1;
         }
     }
-    for (uint32_t c = 0; c < map->channels; c++)
+    for (uint32_t c = 0; c < 4; c++)
         out[c] = weight > 0 ? sum[c] / weight : 0;
+}
+
+static double mean_power(const double power[4], uint32_t channels)
+{
+    double sum = 0;
+    for (uint32_t c = 0; c < channels; c++)
+        sum += power[c];
+    return sum / channels;
+}
+
+/* Add a texel to a light or to one of its points; its direction counts by its light. */
+static void add_texel(const search *s, uint32_t texel, const double background[4],
+                      double direction[3], double *solid_angle, double power[4])
+{
+    const uint32_t channels = s->texels->image->channels;
+    double d[3], part[4] = {0};
+    const double area = area_of(s, texel, d);
+    for (uint32_t c = 0; c < channels; c++) {
+        part[c] = area * (value_at(s, texel, c) - background[c]);
+        power[c] += part[c];
+    }
+    *solid_angle += area;
+    d_mad(direction, fmax(mean_power(part, channels), 0), d, direction);
 }
 
 static ncr_prefilter_light measure_light(const search *s, const double background[4])
 {
-    const ncr_image *map = s->map;
     ncr_prefilter_light light = {0};
-    for (size_t k = 0; k < s->patch_count; k++) {
-        const uint32_t x = s->patch[k] % map->width, y = s->patch[k] / map->width;
-        const double theta = (y + 0.5) * pi / map->height, phi = (x + 0.5) * 2 * pi / map->width;
-        const double d[3] = {sin(theta) * cos(phi), sin(theta) * sin(phi), cos(theta)};
-        const float *at = ncr_image_at(map, x, y);
-        double excess = 0;
-        for (uint32_t c = 0; c < map->channels; c++) {
-            const double value = at[c] - at[c] == 0 ? (double)at[c] : 0;
-            light.power[c] += s->area[y] * (value - background[c]);
-            excess += value - background[c];
-        }
-        light.solid_angle += s->area[y];
-        d_mad(light.direction, s->area[y] * fmax(excess, 0), d, light.direction);
-    }
+    for (size_t k = 0; k < s->patch_count; k++)
+        add_texel(s, s->patch[k], background, light.direction, &light.solid_angle, light.power);
     return light;
 }
 
-static double total_power(const ncr_prefilter_light *light, uint32_t channels)
+/* --- its points ------------------------------------------------------------------------------- */
+
+/* Texels in the order of blocks of `side` x `side`. */
+static uint64_t block_of(const search *s, uint32_t texel, uint32_t side)
 {
-    double sum = 0;
-    for (uint32_t c = 0; c < channels; c++)
-        sum += light->power[c];
-    return sum / channels;
+    const uint32_t w = s->texels->image->width;
+    return (uint64_t)(texel / w / side) << 32 | texel % w / side;
 }
 
-/* The patch becomes a light and its texels the background, unless it holds too little or is too
- * large; then it stays, and is not looked at again. */
-static void take_patch(search *s, double least_power, ncr_prefilter *p)
+static ncr_status make_room(const ncr_ctx *ctx, size_t more, ncr_prefilter *p)
 {
-    const uint32_t channels = s->map->channels;
-    double background[4];
+    const size_t size = p->point_count + more;
+    ncr_light_point *points = ncr_alloc(ctx, size * sizeof *points);
+    if (!points)
+        return NCR_E_NOMEM;
+    if (p->point_count)
+        memcpy(points, p->points, p->point_count * sizeof *points);
+    ncr_free(ctx, p->points);
+    p->points = points;
+    return NCR_OK;
+}
+
+/* Insertion by block: patches grow from their middle, so texels of a block are near one another. */
+static void sort_blocks(const search *s, uint32_t side)
+{
+    for (size_t gap = s->patch_count / 2; gap > 0; gap /= 2) {
+        for (size_t k = gap; k < s->patch_count; k++) {
+            const uint32_t texel = s->patch[k];
+            size_t at = k;
+            for (; at >= gap && block_of(s, s->patch[at - gap], side) > block_of(s, texel, side);
+                 at -= gap)
+                s->patch[at] = s->patch[at - gap];
+            s->patch[at] = texel;
+        }
+    }
+}
+
+static ncr_status add_points(const ncr_ctx *ctx, const search *s, const double background[4],
+                             ncr_prefilter *p)
+{
+    const uint32_t side = s->patch_count <= most_points
+                              ? 1
+                              : (uint32_t)ceil(sqrt(2.0 * (double)s->patch_count / most_points));
+    const ncr_status status = make_room(ctx, s->patch_count, p);
+    if (status)
+        return status;
+    sort_blocks(s, side);
+    for (size_t k = 0; k < s->patch_count;) {
+        ncr_light_point point = {{0}, {0}};
+        double area = 0;
+        const uint64_t block = block_of(s, s->patch[k], side);
+        for (; k < s->patch_count && block_of(s, s->patch[k], side) == block; k++)
+            add_texel(s, s->patch[k], background, point.direction, &area, point.power);
+        if (d_normalize(point.direction))
+            p->points[p->point_count++] = point;
+    }
+    return NCR_OK;
+}
+
+/* The patch becomes a light, unless it holds too little or is too large; then it stays, and is not
+ * looked at again. */
+static ncr_status take_patch(const ncr_ctx *ctx, search *s, double least_power, ncr_prefilter *p)
+{
+    const uint32_t channels = s->texels->image->channels;
+    double background[4], d[3];
     find_background(s, background);
     ncr_prefilter_light light = measure_light(s, background);
-    if (light.solid_angle > largest_light || total_power(&light, channels) < least_power ||
-        !d_normalize(light.direction) || p->light_count == NCR_PREFILTER_LIGHTS)
-        return;
+    const bool taken = light.solid_angle <= largest_light &&
+                       mean_power(light.power, channels) >= least_power &&
+                       p->light_count < NCR_PREFILTER_LIGHTS && d_normalize(light.direction);
     for (size_t k = 0; k < s->patch_count; k++)
-        for (uint32_t c = 0; c < channels; c++)
-            s->map->data[(size_t)s->patch[k] * channels + c] = (float)background[c];
+        for (uint32_t c = 0; c < channels; c++) {
+            const double left = taken ? background[c] : value_at(s, s->patch[k], c);
+            s->square += left * left * area_of(s, s->patch[k], d);
+        }
+    if (!taken)
+        return NCR_OK;
     for (uint32_t c = 0; c < channels; c++)
         p->info.peeled[c] += light.power[c];
     p->lights[p->light_count++] = light;
+    return add_points(ctx, s, background, p);
 }
 
 static void sort_lights(ncr_prefilter *p, uint32_t channels)
@@ -182,130 +335,83 @@ static void sort_lights(ncr_prefilter *p, uint32_t channels)
     for (size_t k = 1; k < p->light_count; k++) {
         const ncr_prefilter_light light = p->lights[k];
         size_t at = k;
-        for (; at > 0 && total_power(&p->lights[at - 1], channels) < total_power(&light, channels);
+        for (; at > 0 &&
+               mean_power(p->lights[at - 1].power, channels) < mean_power(light.power, channels);
              at--)
             p->lights[at] = p->lights[at - 1];
         p->lights[at] = light;
     }
 }
 
-ncr_status ncr_prefilter_peel(const ncr_ctx *ctx, const ncr_image *map, double share,
-                              bool row_areas, ncr_prefilter *p)
+static ncr_status take_lights(const ncr_ctx *ctx, search *s, double share, ncr_prefilter *p)
 {
-    const size_t texels = (size_t)map->width * map->height;
-    search s = {.map = map};
-    ncr_status status = NCR_E_NOMEM;
-    s.area = ncr_alloc(ctx, map->height * sizeof *s.area);
-    s.state = ncr_alloc_zero(ctx, texels, 1);
-    if (s.area && s.state) {
-        ncr_harmonics_row_weights(map->height, row_areas, s.area);
-        for (uint32_t y = 0; y < map->height; y++)
-            s.area[y] /= map->width;
-        s.mean = mean_level(&s);
-        s.found_count = count_bright(&s, NULL);
-        s.found = ncr_alloc(ctx, s.found_count * sizeof *s.found);
-        s.patch = ncr_alloc(ctx, s.found_count * sizeof *s.patch);
+    ncr_status status = NCR_OK;
+    sort_bright(s);
+    for (size_t k = 0; !status && k < s->found_count; k++) {
+        bright *seed = lookup(s, s->order[k]);
+        if (seed->state != BRIGHT)
+            continue;
+        grow_patch(s, seed);
+        status = take_patch(ctx, s, share * 4 * pi * s->mean, p);
     }
-    if (s.found && s.patch) {
-        count_bright(&s, s.found);
-        qsort(s.found, s.found_count, sizeof *s.found, brighter_first);
-        for (size_t k = 0; k < s.found_count; k++)
-            s.state[s.found[k].texel] = BRIGHT;
-        for (size_t k = 0; k < s.found_count; k++) {
-            if (s.state[s.found[k].texel] != BRIGHT)
-                continue;
-            grow_patch(&s, &s.found[k]);
-            take_patch(&s, share * 4 * pi * s.mean, p);
-        }
-        sort_lights(p, map->channels);
-        status = NCR_OK;
-    }
-    ncr_free(ctx, s.area);
-    ncr_free(ctx, s.state);
-    ncr_free(ctx, s.found);
-    ncr_free(ctx, s.patch);
+    sort_lights(p, s->texels->image->channels);
     return status;
 }
 
-/* --- what a light gives ----------------------------------------------------------------------- */
-
-enum { disc_rings = 4, disc_spokes = 8 };
-
-/* Mean of the lobe over a disc of angular radius `radius` whose centre is `angle` off its axis. */
-static double mean_over_disc(const ncr_lobe *lobe, double angle, double radius, const double *node,
-                             const double *weight)
+ncr_status ncr_prefilter_peel(const ncr_ctx *ctx, const ncr_texels *texels, double share,
+                              bool clamp_negative, ncr_prefilter *p, double *square)
 {
-    double sum = 0;
-    const double most = 2 * pow(sin(0.5 * radius), 2); /* 1 - cos radius: equal areas in it */
-    for (int i = 0; i < disc_rings; i++) {
-        const double v = 0.5 * most * (1 + node[i]), s = sqrt(v * (2 - v));
-        for (int j = 0; j < disc_spokes; j++) {
-            /* 1 - cos of the angle between: 1 - cos(a) cos(b) - sin(a) sin(b) cos(spoke) */
-            const double turn = sin(0.5 * pi * (j + 0.5) / disc_spokes);
-            const double u0 = 2 * pow(sin(0.5 * angle), 2);
-            const double u = u0 + v - u0 * v - sin(angle) * s * (1 - 2 * turn * turn);
-            sum += 0.5 * weight[i] / disc_spokes * ncr_lobe_value(lobe, fmin(fmax(u, 0), 2));
-        }
+    const size_t h = texels->image->height;
+    search s = {.texels = texels, .clamp = clamp_negative};
+    s.row_power = ncr_alloc(ctx, 2 * h * sizeof *s.row_power);
+    s.row_bright = ncr_alloc(ctx, (h + 1) * sizeof *s.row_bright);
+    ncr_status status = s.row_power && s.row_bright ? NCR_OK : NCR_E_NOMEM;
+    if (!status) {
+        s.row_square = s.row_power + h;
+        status = find_bright(ctx, &s);
     }
-    return sum;
+    if (!status)
+        status = take_lights(ctx, &s, share, p);
+    *square = s.square;
+    ncr_free(ctx, s.row_power);
+    ncr_free(ctx, s.row_bright);
+    ncr_free(ctx, s.found);
+    ncr_free(ctx, s.order);
+    return status;
 }
 
-static double lobe_scale(const ncr_lobe *lobe)
-{
-    switch (lobe->kind) {
-    case NCR_LOBE_PHONG:
-        return 1 / sqrt(1 + lobe->parameter);
-    case NCR_LOBE_GGX:
-    case NCR_LOBE_BECKMANN:
-        return lobe->parameter < 1 ? lobe->parameter : 1;
-    case NCR_LOBE_CUSTOM:
-        return lobe->width > 0 ? lobe->width : 0.1;
-    default:
-        return 1;
-    }
-}
+/* --- what the points give --------------------------------------------------------------------- */
 
-static void fill_response(const ncr_lobe *lobe, double integral, const ncr_prefilter_light *light,
-                          ncr_light_response *out)
+ncr_status ncr_prefilter_subtract_points(const ncr_ctx *ctx, ncr_prefilter *p)
 {
-    const double radius = 2 * asin(sqrt(light->solid_angle / (4 * pi)));
-    const double c0 = fmax(lobe_scale(lobe), radius);
-    double node[disc_rings], weight[disc_rings];
-    ncr_gauss_legendre(disc_rings, node, weight);
-    out->c0 = (float)c0;
-    for (int k = 0; k < 3; k++)
-        out->direction[k] = (float)light->direction[k];
-    for (int k = 0; k < 4; k++)
-        out->power[k] = (float)light->power[k];
-    for (int k = 0; k <= NCR_RESPONSE_STEPS + 1; k++) {
-        const double y = fmin(1.0 * k / NCR_RESPONSE_STEPS, 2 / (2 + c0));
-        const double chord = fmin(c0 * y / (1 - y), 2);
-        out->table[k] =
-            (float)(mean_over_disc(lobe, 2 * asin(0.5 * chord), radius, node, weight) / integral);
-    }
-}
-
-ncr_status ncr_light_responses(const ncr_ctx *ctx, const ncr_prefilter *p, const ncr_lobe *lobe,
-                               double integral, ncr_light_response **out)
-{
-    ncr_light_response *all = ncr_alloc(ctx, p->light_count * sizeof *all);
-    *out = all;
-    if (!all)
+    ncr_harmonics *a = &p->harmonics;
+    const size_t degrees = (size_t)a->band_limit + 1;
+    double *basis = ncr_alloc(ctx, degrees * degrees * sizeof *basis);
+    if (!basis)
         return NCR_E_NOMEM;
-    for (size_t k = 0; k < p->light_count; k++)
-        fill_response(lobe, integral, &p->lights[k], &all[k]);
+    for (size_t k = 0; k < p->point_count; k++) {
+        ncr_harmonics_basis(a->band_limit, p->points[k].direction, basis);
+        for (uint32_t l = 0; l <= a->band_limit; l++)
+            for (int32_t m = -(int32_t)l; m <= (int32_t)l; m++)
+                for (uint32_t c = 0; c < a->channels; c++)
+                    ncr_harmonics_at(a, l, m)[c] -=
+                        p->points[k].power[c] * basis[(int64_t)l * (l + 1) + m];
+    }
+    ncr_free(ctx, basis);
     return NCR_OK;
 }
 
-void ncr_light_add(const ncr_light_response *light, ncr_vec3 d, uint32_t channels, float *value)
+void ncr_light_points_add(size_t count, const ncr_light_point *points, const ncr_lobe *lobe,
+                          double integral, const double d[3], uint32_t channels, float *value)
 {
-    const float x = d.x - light->direction[0], y = d.y - light->direction[1];
-    const float z = d.z - light->direction[2];
-    const float chord = sqrtf(x * x + y * y + z * z);
-    const float at = chord / (chord + light->c0) * NCR_RESPONSE_STEPS;
-    const int k = (int)at;
-    const float t = at - (float)k;
-    const float response = light->table[k] + t * (light->table[k + 1] - light->table[k]);
+    double sum[4] = {0};
+    for (size_t k = 0; k < count; k++) {
+        double chord[3];
+        d_sub(d, points[k].direction, chord);
+        const double u = fmin(0.5 * d_dot(chord, chord), 2), v = ncr_lobe_value(lobe, u);
+        for (uint32_t c = 0; c < channels; c++)
+            sum[c] += v * points[k].power[c];
+    }
     for (uint32_t c = 0; c < channels; c++)
-        value[c] += response * light->power[c];
+        value[c] = (float)((double)value[c] + sum[c] / integral);
 }

@@ -6,6 +6,7 @@
 #include "shading/harmonics_kernel_internal.h"
 #include "shading/prefilter.h"
 #include "shading/prefilter_internal.h"
+#include "shading/quadrature_internal.h"
 
 #include <string.h>
 
@@ -391,8 +392,13 @@ static void every_processor_samples_a_grid_alike(void **state)
         tall[k] = k % 16 < 8 ? (float)ncr_uniform(k, 4) : 0;
     for (size_t k = 0; k < sizeof wide / sizeof *wide; k++)
         wide[k] = (float)ncr_uniform(k / 4, 5);
-    const ncr_sphere_grid grid = {
-        .width = 20, .per_radian = (float)(10 / pi), .bend_at = 4, .stride = 28 * 4, .data = data, .wide = wide, .tall = tall};
+    const ncr_sphere_grid grid = {.width = 20,
+                                  .per_radian = (float)(10 / pi),
+                                  .bend_at = 4,
+                                  .stride = 28 * 4,
+                                  .data = data,
+                                  .wide = wide,
+                                  .tall = tall};
     for (uint64_t k = 0; k < NCR_GRID_BATCH; k++) {
         double at[3];
         random_direction(k, at);
@@ -413,27 +419,66 @@ static void every_processor_samples_a_grid_alike(void **state)
 
 /* ---- lights ---------------------------------------------------------------------------------- */
 
-/* a disc of light wholly above the horizon gives E = pi sin^2 s cos b. */
-static void a_disc_of_light_gives_its_closed_form(void **state)
+/* A-23: a cap of light wholly above the horizon gives E = pi sin^2 s cos b. By Gauss's rule over the
+ * cap, and as texels, whose borders are not the cap's. */
+static void points_of_light_add_up_to_a_disc(void **state)
 {
     (void)state;
-    static ncr_prefilter p;
-    for (double s = 0.003; s < 0.3; s *= 4) {
-        const double omega = 4 * pi * pow(sin(s / 2), 2);
-        ncr_light_response *response;
-        p.light_count = 1;
-        p.lights[0] = (ncr_prefilter_light){
-            .direction = {0, 0, 1}, .solid_angle = omega, .power = {omega, 2 * omega, 0, 0}};
-        CHECK_STATUS(NCR_OK, ncr_light_responses(NULL, &p, &lambert, pi, &response));
+    enum { rings = 12, spokes = 16 };
+    double node[rings], weight[rings];
+    ncr_light_point points[rings * spokes];
+    ncr_gauss_legendre(rings, node, weight);
+    for (double s = 0.003; s < 1; s *= 4) {
+        for (int i = 0; i < rings * spokes; i++) {
+            const double z = 1 - (1 - cos(s)) * 0.5 * (1 + node[i / spokes]);
+            const double r = sqrt(1 - z * z), phi = 2 * pi * (i % spokes) / spokes;
+            const double power = pi * (1 - cos(s)) * weight[i / spokes] / spokes;
+            points[i] = (ncr_light_point){{r * cos(phi), r * sin(phi), z}, {power, 2 * power}};
+        }
         for (double b = 0; s + b < 0.99 * pi / 2; b += 0.05) {
+            const double d[3] = {sin(b), 0, cos(b)}, want = pow(sin(s), 2) * cos(b);
             float value[3] = {0, 0, 5};
-            ncr_light_add(response, (ncr_vec3){(float)sin(b), 0, (float)cos(b)}, 3, value);
-            const double want = pow(sin(s), 2) * cos(b);
+            ncr_light_points_add(rings * spokes, points, &lambert, pi, d, 3, value);
             CHECK_NEAR((double)value[0], want, 1e-6 * pow(sin(s), 2));
             CHECK_NEAR((double)value[1], 2 * want, 2e-6 * pow(sin(s), 2));
             CHECK_NEAR((double)value[2], 5, 0);
         }
-        ncr_free(NULL, response);
+    }
+}
+
+static const double cap_axis[3] = {0.36, -0.48, 0.8};
+static double cap_radius;
+
+static void cap_light(const double d[3], double out[3])
+{
+    const double c = d[0] * cap_axis[0] + d[1] * cap_axis[1] + d[2] * cap_axis[2];
+    out[0] = out[1] = out[2] = c > cos(cap_radius);
+}
+
+static void a_disc_of_light_gives_its_closed_form(void **state)
+{
+    (void)state;
+    for (cap_radius = 0.05; cap_radius < 0.11; cap_radius *= 2) {
+        ncr_image map = make_map(512, 256, 8, cap_light);
+        ncr_prefilter *p =
+            prefilter_of(&map, NCR_OPTS(ncr_prefilter_opts, .band_limit = 60, .peel = 0.1));
+        const double full = pow(sin(cap_radius), 2);
+        assert_int_equal(ncr_prefilter_info_get(p).light_count, 1);
+        for (uint64_t k = 0; k < 50; k++) {
+            double d[3];
+            float value[3];
+            random_direction(k, d);
+            const double c = d[0] * cap_axis[0] + d[1] * cap_axis[1] + d[2] * cap_axis[2];
+            if (c < sin(1.1 * cap_radius))
+                continue;
+            CHECK_STATUS(
+                NCR_OK, ncr_prefilter_directions(NULL, p, &lambert, NULL, 1,
+                                                 &(ncr_vec3){(float)d[0], (float)d[1], (float)d[2]},
+                                                 value, NULL));
+            CHECK_NEAR((double)value[1] / full, c, 2e-3);
+        }
+        ncr_prefilter_destroy(NULL, p);
+        ncr_image_dispose(NULL, &map);
     }
 }
 
@@ -617,6 +662,7 @@ int main(void)
         cmocka_unit_test(nine_coefficients_keep_the_known_bounds),
         cmocka_unit_test(directions_agree_with_texels),
         cmocka_unit_test(every_processor_samples_a_grid_alike),
+        cmocka_unit_test(points_of_light_add_up_to_a_disc),
         cmocka_unit_test(a_disc_of_light_gives_its_closed_form),
         cmocka_unit_test(a_peeled_sun_is_found_and_counted),
         cmocka_unit_test(peeling_takes_the_ringing_out),

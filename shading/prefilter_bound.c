@@ -1,0 +1,195 @@
+/* SPDX-License-Identifier: MIT */
+#include "shading/prefilter_internal.h"
+
+#include <math.h>
+
+/* How far an output may be from the filtered map. Two ways to know, each right for any light:
+ *
+ *   by the lobe:  |E_L - E| <= max |k_L - k| mean |map|
+ *   by the map:   |E_L - E| <= sum over l of |lambda_l - kept_l| (P_l (2l+1) / 4 pi)^1/2
+ *
+ * with P_l the power of degree l, since |sum_m a Y| <= (P_l (2l+1) / 4 pi)^1/2. Past the degrees
+ * analysed the power is known as a whole, U: by Cauchy and Schwarz
+ *
+ *   sum <= (sum of lambda_l^2 (2l+1) / 4 pi)^1/2 U
+ *
+ * The first is for suns, which have power everywhere; the second for what is smooth. */
+
+static const double pi = 3.14159265358979323846;
+static const double quadrature_error = 1e-12; /* of int k^2 and the eigenvalues */
+
+/* --- a lobe made ready ------------------------------------------------------------------------ */
+
+ncr_status ncr_filter_init(const ncr_ctx *ctx, const ncr_prefilter *p, const ncr_lobe *lobe,
+                           const ncr_prefilter_output *opts, ncr_filter *out)
+{
+    const uint32_t last = p->harmonics.band_limit;
+    const uint32_t wanted = opts && opts->order ? opts->order : last;
+    *out = (ncr_filter){.band_limit = last, .order = wanted < last ? wanted : last};
+    if (opts && !opts->struct_size)
+        return ncr_fail(ctx, NCR_E_ARG, "prefilter: options without a struct_size");
+    double *exact = ncr_alloc(ctx, 2 * ((size_t)last + 1) * sizeof *exact);
+    double *lambda = exact + last + 1;
+    if (!exact)
+        return NCR_E_NOMEM;
+    const ncr_status status =
+        ncr_lobe_eigenvalues(ctx, lobe, last, exact, &out->integral, &out->error);
+    if (status) {
+        ncr_free(ctx, exact);
+        return status;
+    }
+    for (uint32_t l = 0; l <= last; l++)
+        lambda[l] = l <= out->order ? exact[l] : 0;
+    if (opts)
+        ncr_window_apply(opts->window, out->order, lambda);
+    out->exact = exact;
+    out->lambda = lambda;
+    return NCR_OK;
+}
+
+void ncr_filter_dispose(const ncr_ctx *ctx, ncr_filter *filter)
+{
+    ncr_free(ctx, filter->exact);
+    *filter = (ncr_filter){0};
+}
+
+/* --- what is past the analysis ---------------------------------------------------------------- */
+
+static double squared(double u, void *user)
+{
+    const double k = ncr_lobe_value(user, u);
+    return k * k;
+}
+
+/* Sum over all l of lambda_l^2 (2l+1) / 4 pi = int k^2 / (int k)^2. */
+static ncr_status lobe_power(const ncr_ctx *ctx, const ncr_lobe *lobe, double integral, double *out)
+{
+    ncr_lobe copy = *lobe;
+    const bool facets = lobe->kind == NCR_LOBE_GGX || lobe->kind == NCR_LOBE_BECKMANN;
+    const double n = lobe->kind == NCR_LOBE_LAMBERT ? 1 : lobe->parameter;
+    const ncr_lobe square = {.kind = NCR_LOBE_CUSTOM,
+                             .value = squared,
+                             .user = &copy,
+                             .support = lobe->kind == NCR_LOBE_CUSTOM ? lobe->support : 0.5 * pi,
+                             .width =
+                                 facets ? fmax(1e-9, fmin(0.5 * lobe->parameter, 1)) : lobe->width};
+    double one, whole = 2 * pi / (2 * n + 1);
+    ncr_status status = NCR_OK;
+    if (facets || lobe->kind == NCR_LOBE_CUSTOM)
+        status = ncr_lobe_eigenvalues(ctx, &square, 0, &one, &whole, NULL);
+    *out = whole / (integral * integral);
+    return status;
+}
+
+/* The mean of |map|: the mean itself if nothing is negative, else no more than the rms. */
+static double mean_size(const ncr_prefilter *p)
+{
+    double mean = 0;
+    for (uint32_t c = 0; c < p->info.channels; c++)
+        mean = fmax(mean, p->info.mean[c]);
+    return p->info.texels.negative ? sqrt(p->info.texels.square / (4 * pi)) : mean;
+}
+
+/* What all degrees past the analysis can give in any one direction. `enough`: no need to know better
+ * than that. */
+static ncr_status bound_tail(const ncr_ctx *ctx, const ncr_prefilter *p, const ncr_lobe *lobe,
+                             const ncr_filter *f, double enough, double *out)
+{
+    double power;
+    *out = INFINITY;
+    if (f->band_limit <= p->natural) {
+        const ncr_status status = lobe_power(ctx, lobe, f->integral, &power);
+        if (status)
+            return status;
+        const double floor = quadrature_error * power;
+        for (uint32_t l = 0; l <= f->band_limit; l++)
+            power -= f->exact[l] * f->exact[l] * (2 * l + 1) / (4 * pi);
+        *out = sqrt(fmax(power, floor) * 4 * pi) * p->info.unresolved;
+    }
+    if (*out > enough)
+        *out = fmin(*out,
+                    mean_size(p) * ncr_lobe_truncation(lobe, f->band_limit, f->exact, f->integral));
+    return NCR_OK;
+}
+
+/* --- what is left out of it ------------------------------------------------------------------- */
+
+static double most_of(const double sum[4])
+{
+    return fmax(fmax(sum[0], sum[1]), fmax(sum[2], sum[3]));
+}
+
+static void add_degree(const ncr_prefilter *p, uint32_t l, double change, double sum[4])
+{
+    for (int c = 0; c < 4; c++)
+        sum[c] += fabs(change) *
+                  sqrt(p->degree_power[4 * (size_t)l + (size_t)c] * (2.0 * l + 1) / (4 * pi));
+}
+
+ncr_status ncr_prefilter_order(const ncr_ctx *ctx, const ncr_prefilter *p, const ncr_lobe *lobe,
+                               double tolerance, uint32_t *order, double *bound)
+{
+    ncr_filter f;
+    const double most = tolerance * ncr_prefilter_mean(p);
+    double tail, sum[4] = {0};
+    ncr_status status = ncr_filter_init(ctx, p, lobe, NULL, &f);
+    if (status)
+        return status;
+    status = bound_tail(ctx, p, lobe, &f, 0.5 * most, &tail);
+    uint32_t last = f.band_limit;
+    double reached = tail;
+    for (; !status && last > 0; last--) {
+        add_degree(p, last, f.exact[last], sum);
+        if (!(most_of(sum) + tail <= most))
+            break;
+        reached = most_of(sum) + tail;
+    }
+    ncr_filter_dispose(ctx, &f);
+    if (status)
+        return status;
+    *order = last;
+    if (bound)
+        *bound = reached;
+    return reached <= most ? NCR_OK : NCR_E_LIMIT;
+}
+
+/* Largest eigenvalue beyond the band limit: the envelope falls, so as far again is far enough. */
+static ncr_status largest_left_out(const ncr_ctx *ctx, const ncr_lobe *lobe, uint32_t band_limit,
+                                   double *out)
+{
+    const uint32_t last = 2 * band_limit + 8;
+    double *lambda = ncr_alloc(ctx, ((size_t)last + 1) * sizeof *lambda);
+    const ncr_status status =
+        lambda ? ncr_lobe_eigenvalues(ctx, lobe, last, lambda, NULL, NULL) : NCR_E_NOMEM;
+    *out = 0;
+    for (uint32_t l = band_limit + 1; !status && l <= last; l++)
+        *out = fmax(*out, fabs(lambda[l]));
+    ncr_free(ctx, lambda);
+    return status;
+}
+
+ncr_status ncr_filter_report(const ncr_ctx *ctx, const ncr_prefilter *p, const ncr_lobe *lobe,
+                             const ncr_filter *f, ncr_prefilter_report *report)
+{
+    double left_out, tail, sum[4] = {0}, square = 0;
+    ncr_status status = largest_left_out(ctx, lobe, f->band_limit, &left_out);
+    if (!status)
+        status = bound_tail(ctx, p, lobe, f, 0, &tail);
+    if (status)
+        return status;
+    for (uint32_t l = 0; l <= f->band_limit; l++) {
+        const double change = f->exact[l] - f->lambda[l];
+        add_degree(p, l, change, sum);
+        for (int c = 0; c < 4; c++)
+            square += change * change * p->degree_power[4 * (size_t)l + (size_t)c];
+    }
+    const double by_lobe =
+        mean_size(p) * ncr_lobe_truncation(lobe, f->order, f->lambda, f->integral);
+    *report = (ncr_prefilter_report){
+        .order = f->order,
+        .bound_max = fmin(by_lobe, most_of(sum) + tail),
+        .bound_rms = hypot(sqrt(square / (4 * pi)), left_out * p->info.unresolved),
+        .lambda_error = f->error,
+    };
+    return NCR_OK;
+}
