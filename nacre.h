@@ -34,6 +34,7 @@
 #include "shading/cube.h"
 #include "shading/cube_texel.h"
 #include "shading/directional_map.h"
+#include "shading/distant.h"
 #include "shading/fixed_view.h"
 #include "shading/fresnel.h"
 #include "shading/gbuffer.h"

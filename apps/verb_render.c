@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: MIT
  * verb_render.c - nacre render: one view, one method, one image. */
+#include "apps/far_light.h"
 #include "apps/verbs.h"
 #include "apps/view.h"
 
@@ -11,6 +12,7 @@ typedef struct render_options {
     uint32_t size[2], cube, depth_levels, supersample;
     double exposure, memory;
     bool object_only;
+    far_light_options far;
 } render_options;
 
 /* Everything a render holds; closed as one. */
@@ -21,6 +23,7 @@ typedef struct render_job {
     ncr_field field;
     ncr_lightfield *probe_light;
     ncr_probe probe;
+    far_light far;
     ncr_image image;
     ncr_shade_stats stats;
 } render_job;
@@ -76,14 +79,34 @@ static uint32_t cube_size(const render_job *job)
     return job->o->field ? job->field.cube : job->s.preset->cube[0];
 }
 
-static ncr_status prepare(render_job *job, const ncr_method *method, ncr_shading_inputs *inputs)
+/* Distant light, if the methods read any. A surface under it goes with every full image. */
+static ncr_status prepare_far_light(render_job *job, const ncr_method *method,
+                                    const ncr_method *recon, ncr_term term)
 {
     const app *a = &job->o->common;
-    const bool traces = needs_probe(method) || named(method, "trace") || !job->o->object_only;
+    const ncr_probe *probe = far_light_is_probe(&job->o->far) ? &job->probe : NULL;
+    ncr_method methods[2] = {*method, *recon};
+    ncr_status status = NCR_OK;
+    if (!recon->entry && term == NCR_TERM_FULL && ncr_method_reads_distant(method))
+        status = ncr_method_find(&a->ctx, "lambert", &methods[1]);
+    if (status == NCR_OK)
+        status = far_light_open(a, &job->o->far, &job->s.world->sky, probe, 2, methods, &job->far);
+    return status;
+}
+
+static ncr_status prepare(render_job *job, const ncr_method *method, const ncr_method *recon,
+                          ncr_term term, ncr_shading_inputs *inputs)
+{
+    const app *a = &job->o->common;
+    const bool probes = needs_probe(method) || far_light_is_probe(&job->o->far);
+    const bool traces =
+        probes || named(method, "trace") || named(recon, "trace") || !job->o->object_only;
     ncr_status status = traces ? stage_light(a, &job->s) : NCR_OK;
-    if (status == NCR_OK && needs_probe(method))
+    if (status == NCR_OK && probes)
         status = ncr_probe_capture(&a->ctx, &job->s.tracer, job->s.object, cube_size(job),
                                    &job->probe_light, &job->probe);
+    if (status == NCR_OK)
+        status = prepare_far_light(job, method, recon, term);
     if (status != NCR_OK)
         return status;
     job->s.tracer.mirror_depth = job->o->depth_levels ? job->o->depth_levels : 1;
@@ -94,6 +117,8 @@ static ncr_status prepare(render_job *job, const ncr_method *method, ncr_shading
         .frame = ncr_scene_frame(job->s.world->scene),
         .probe = job->probe_light ? &job->probe : NULL,
         .tracer = traces ? &job->s.tracer : NULL,
+        .distant = job->far.distant,
+        .material = &job->s.world->materials[job->s.object],
     };
     if (job->o->field) {
         inputs->points = &job->field.points;
@@ -123,7 +148,7 @@ static ncr_status shade(render_job *job, const ncr_method *method, const ncr_met
 {
     const app *a = &job->o->common;
     ncr_shading_inputs inputs;
-    ncr_status status = prepare(job, method, &inputs);
+    ncr_status status = prepare(job, method, recon, term, &inputs);
     if (status == NCR_OK)
         status =
             ncr_image_init(&a->ctx, job->v.gbuffer.width, job->v.gbuffer.height, 3, &job->image);
@@ -132,6 +157,8 @@ static ncr_status shade(render_job *job, const ncr_method *method, const ncr_met
                                       job->s.object, &job->image);
     if (status != NCR_OK)
         return status;
+    if (job->o->far.env && !far_light_is_probe(&job->o->far) && !job->o->object_only)
+        far_light_fill(&job->far, &job->v.gbuffer, &job->image);
     const ncr_material *material = &job->s.world->materials[job->s.object];
     return ncr_method_shade(&a->ctx, method, term, job->o->recon ? recon : NULL, material->specular,
                             &inputs, &job->v.gbuffer, &job->image, &job->stats);
@@ -238,6 +265,7 @@ static ncr_status run_render(const render_options *o)
         say_result(&job, &method, o->term ? o->term : "full", app_seconds() - began);
 
     ncr_image_dispose(&a->ctx, &job.image);
+    far_light_close(a, &job.far);
     ncr_lightfield_destroy(&a->ctx, job.probe_light);
     ncr_field_dispose(&a->ctx, &job.field);
     view_close(a, &job.v);
@@ -254,6 +282,13 @@ int verb_render(int argc, char **argv)
         {"--term", 0, OPTION_TEXT, &o.term, "TERM", "recon, reflect or full (default full)"},
         {"--recon", 0, OPTION_TEXT, &o.recon, "NAME", "reconstruction under a full term"},
         {"--field", 0, OPTION_TEXT, &o.field, "FIELD", "a baked field: what OSLF methods read"},
+        {"--env", 0, OPTION_TEXT, &o.far.env, "MAP",
+         "distant light: a map, or probe (default: the sky)"},
+        {"--env-from", 0, OPTION_TEXT, &o.far.from, "CONVENTION",
+         "how MAP lies (default: as it says)"},
+        {"--env-up", 0, OPTION_TEXT, &o.far.up, "AXIS", "which axis is up in MAP: z or y"},
+        {"--lobe", 0, OPTION_TEXT, &o.far.lobe, "LOBE",
+         "of prefiltered and fresnel: lambert, phong:N, ggx:A, beckmann:M"},
         {"--memory", 0, OPTION_NUMBER, &o.memory, "BYTES", "keep no more of the field's light"},
         {"--camera", 0, OPTION_TEXT, &o.camera, "NAME", "a camera of the scene (default: first)"},
         {"--size", 0, OPTION_SIZE, o.size, "WxH", "image size (default: the preset's)"},

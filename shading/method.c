@@ -2,6 +2,7 @@
 #include "shading/method.h"
 
 #include "core/nearest_word.h"
+#include "shading/distant_internal.h"
 #include "shading/method_internal.h"
 
 #include <math.h>
@@ -10,29 +11,38 @@
 #include <time.h>
 
 static const ncr_method_entry entries[] = {
-    {"trace", "ray-traced reference", false, NCR_NEEDS_TRACER, ncr_recon_trace, ncr_reflect_trace,
-     0},
-    {"nearest", "surface from the closest point that sees it well", false,
+    {"trace", "ray-traced reference", NCR_PARAMETER_NONE, NCR_NEEDS_TRACER, ncr_recon_trace,
+     ncr_reflect_trace, 0},
+    {"nearest", "surface from the closest point that sees it well", NCR_PARAMETER_NONE,
      NCR_NEEDS_FIELD | NCR_LOOKS_AT_SURFACE | NCR_LOOKS_FROM_FIRST, ncr_recon_nearest, NULL, 0},
-    {"average4", "surface from all points that see it well", false,
+    {"average4", "surface from all points that see it well", NCR_PARAMETER_NONE,
      NCR_NEEDS_FIELD | NCR_LOOKS_AT_SURFACE, ncr_recon_average, NULL, 0},
-    {"envmap", "one cube map at the object's centre", false, NCR_NEEDS_PROBE, NULL,
+    {"envmap", "one cube map at the object's centre", NCR_PARAMETER_NONE, NCR_NEEDS_PROBE, NULL,
      ncr_reflect_envmap, 0},
-    {"proxy", "one cube map, corrected for parallax by a box", false, NCR_NEEDS_PROBE, NULL,
-     ncr_reflect_proxy, 0},
-    {"distance", "the closest point", false,
+    {"proxy", "one cube map, corrected for parallax by a box", NCR_PARAMETER_NONE, NCR_NEEDS_PROBE,
+     NULL, ncr_reflect_proxy, 0},
+    {"distance", "the closest point", NCR_PARAMETER_NONE,
      NCR_NEEDS_FIELD | NCR_LOOKS_ALONG_R | NCR_LOOKS_FROM_FIRST, NULL, ncr_reflect_closest,
      NCR_BASIS_DISTANCE},
-    {"angle", "the point nearest to the mirror ray in angle", false,
+    {"angle", "the point nearest to the mirror ray in angle", NCR_PARAMETER_NONE,
      NCR_NEEDS_FIELD | NCR_LOOKS_ALONG_R, NULL, ncr_reflect_angle, NCR_BASIS_ANGLE},
-    {"average", "four points alike", false, NCR_NEEDS_FIELD | NCR_LOOKS_ALONG_R, NULL,
+    {"average", "four points alike", NCR_PARAMETER_NONE, NCR_NEEDS_FIELD | NCR_LOOKS_ALONG_R, NULL,
      ncr_reflect_blend, NCR_BASIS_AVERAGE},
-    {"cosine-r", "four points by max(r.s, 0)^N", true, NCR_NEEDS_FIELD | NCR_LOOKS_ALONG_R, NULL,
-     ncr_reflect_blend, NCR_BASIS_COSINE_R},
-    {"cosine-n", "four points by max(n.s, 0)^N", true, NCR_NEEDS_FIELD | NCR_LOOKS_ALONG_R, NULL,
-     ncr_reflect_blend, NCR_BASIS_COSINE_N},
-    {"abs-r", "four points by |r.s|^N", true, NCR_NEEDS_FIELD | NCR_LOOKS_ALONG_R, NULL,
-     ncr_reflect_blend, NCR_BASIS_ABS_R},
+    {"cosine-r", "four points by max(r.s, 0)^N", NCR_PARAMETER_EXPONENT,
+     NCR_NEEDS_FIELD | NCR_LOOKS_ALONG_R, NULL, ncr_reflect_blend, NCR_BASIS_COSINE_R},
+    {"cosine-n", "four points by max(n.s, 0)^N", NCR_PARAMETER_EXPONENT,
+     NCR_NEEDS_FIELD | NCR_LOOKS_ALONG_R, NULL, ncr_reflect_blend, NCR_BASIS_COSINE_N},
+    {"abs-r", "four points by |r.s|^N", NCR_PARAMETER_EXPONENT, NCR_NEEDS_FIELD | NCR_LOOKS_ALONG_R,
+     NULL, ncr_reflect_blend, NCR_BASIS_ABS_R},
+    {"mirror", "distant light along the mirror ray", NCR_PARAMETER_NONE, NCR_NEEDS_DISTANT, NULL,
+     ncr_reflect_mirror, 0},
+    {"prefiltered", "distant light, filtered by a lobe about the mirror ray", NCR_PARAMETER_NONE,
+     NCR_NEEDS_DISTANT | NCR_NEEDS_GLOSS | NCR_TAKES_GLOSS, NULL, ncr_reflect_prefiltered, 0},
+    {"fresnel", "a coat of index n: distant light by Fresnel's share, the rest diffuse",
+     NCR_PARAMETER_INDEX, NCR_NEEDS_DISTANT | NCR_NEEDS_DIFFUSE | NCR_TAKES_GLOSS,
+     ncr_recon_fresnel, ncr_reflect_fresnel, 0},
+    {"lambert", "surface under the irradiance of distant light", NCR_PARAMETER_NONE,
+     NCR_NEEDS_DISTANT | NCR_NEEDS_DIFFUSE, ncr_recon_lambert, NULL, 0},
 };
 
 enum { entry_count = sizeof entries / sizeof *entries, name_room = 32, pixels_per_chunk = 8192 };
@@ -60,16 +70,20 @@ static ncr_status unknown(const ncr_ctx *ctx, const char *name)
                     ncr_nearest_word(name, entry_count, names));
 }
 
-static ncr_status parse_exponent(const ncr_ctx *ctx, const char *text, const char *colon,
-                                 double *out)
+static ncr_status parse_parameter(const ncr_ctx *ctx, const char *text, const char *colon,
+                                  const ncr_method_entry *entry, double *out)
 {
+    const bool index = entry->takes == NCR_PARAMETER_INDEX;
+    const char *what = index ? "index of refraction" : "exponent";
     char *end = NULL;
     const double value = colon ? strtod(colon + 1, &end) : 0;
     if (!colon || end == colon + 1 || *end)
-        return ncr_fail(ctx, NCR_E_ARG, "method \"%s\" needs an exponent, as in \"cosine-n:4\"",
-                        text);
-    if (!(value >= 0) || (value > 1e6 && !isinf(value)))
-        return ncr_fail(ctx, NCR_E_ARG, "method \"%s\": the exponent is not in [0, 1e6]", text);
+        return ncr_fail(ctx, NCR_E_ARG, "method \"%s\" needs an %s, as in \"%s:%s\"", text, what,
+                        entry->name, index ? "1.5" : "4");
+    const bool in_range = value >= 0 && (value <= 1e6 || (isinf(value) && !index));
+    if (!in_range || (index && value == 0))
+        return ncr_fail(ctx, NCR_E_ARG, "method \"%s\": the %s is not in %s0, 1e6]", text, what,
+                        index ? "(" : "[");
     *out = value;
     return NCR_OK;
 }
@@ -89,10 +103,10 @@ ncr_status ncr_method_find(const ncr_ctx *ctx, const char *text, ncr_method *out
         return unknown(ctx, name);
 
     double parameter = 0;
-    if (!entry->takes_exponent && colon)
+    if (entry->takes == NCR_PARAMETER_NONE && colon)
         return ncr_fail(ctx, NCR_E_ARG, "method \"%s\" takes no parameter", entry->name);
-    if (entry->takes_exponent) {
-        const ncr_status status = parse_exponent(ctx, text, colon, &parameter);
+    if (entry->takes != NCR_PARAMETER_NONE) {
+        const ncr_status status = parse_parameter(ctx, text, colon, entry, &parameter);
         if (status != NCR_OK)
             return status;
     }
@@ -193,6 +207,22 @@ static void shade_chunk(size_t begin, size_t end, unsigned worker, void *arg)
     turn_over(call, &pair, stats);
 }
 
+static ncr_status check_distant(const ncr_ctx *ctx, const ncr_method *method,
+                                const ncr_shading_inputs *in)
+{
+    const unsigned needs = method->entry->needs;
+    if (!in->distant)
+        return ncr_fail(ctx, NCR_E_ARG, "method \"%s\" needs distant light", method->name);
+    if (needs & NCR_NEEDS_GLOSS && !in->distant->gloss)
+        return ncr_fail(ctx, NCR_E_ARG, "method \"%s\" needs a lobe", method->name);
+    if (needs & NCR_NEEDS_DIFFUSE && !in->distant->diffuse)
+        return ncr_fail(ctx, NCR_E_ARG, "distant light was not made ready for method \"%s\"",
+                        method->name);
+    if (needs & NCR_NEEDS_DIFFUSE && in->material && !in->frame)
+        return ncr_fail(ctx, NCR_E_ARG, "method \"%s\": a material without a frame", method->name);
+    return NCR_OK;
+}
+
 static ncr_status check_parts(const ncr_ctx *ctx, const ncr_method *method,
                               const ncr_shading_inputs *in)
 {
@@ -208,7 +238,7 @@ static ncr_status check_parts(const ncr_ctx *ctx, const ncr_method *method,
         return ncr_fail(ctx, NCR_E_ARG, "method \"%s\" needs a tracer", method->name);
     if (!(in->horizon_deg >= 0 && in->horizon_deg <= 90))
         return ncr_fail(ctx, NCR_E_ARG, "a horizon of %g degrees", in->horizon_deg);
-    return NCR_OK;
+    return needs & NCR_NEEDS_DISTANT ? check_distant(ctx, method, in) : NCR_OK;
 }
 
 static ncr_status check_buffers(const ncr_ctx *ctx, const ncr_gbuffer *gbuffer,
@@ -234,8 +264,12 @@ static ncr_status choose_recon(const ncr_ctx *ctx, const ncr_method *method,
     }
     if (recon)
         return ncr_fail(ctx, NCR_E_ARG, "method \"%s\" does not reconstruct surfaces", recon->name);
-    const bool trace = method->entry->recon || !in->light;
-    return ncr_method_find(ctx, trace ? "trace" : "nearest", out);
+    if (method->entry->recon) {
+        *out = *method;
+        return NCR_OK;
+    }
+    const bool distant = method->entry->needs & NCR_NEEDS_DISTANT;
+    return ncr_method_find(ctx, distant ? "lambert" : in->light ? "nearest" : "trace", out);
 }
 
 /* Sort out which method does which term, and whether it has what it needs. */
@@ -332,8 +366,10 @@ ncr_status ncr_method_shade(const ncr_ctx *ctx, const ncr_method *method, ncr_te
     ncr_shade_stats sum = {0};
     ncr_method chosen;
     shade_call call = {.image = image};
+    const bool coat =
+        method->entry->takes == NCR_PARAMETER_INDEX; /* Fresnel's term is its colour */
     for (int c = 0; c < 3; c++)
-        call.specular[c] = specular ? specular[c] : 1;
+        call.specular[c] = specular && !coat ? specular[c] : 1;
 
     ncr_status status = check_buffers(ctx, gbuffer, image);
     if (status == NCR_OK)

@@ -19,6 +19,9 @@ typedef struct ncr_probe {
     ncr_vec3 box_min, box_max;   /* frame units; centre inside */
 } ncr_probe;
 
+/** Distant light made ready for methods: distant.h. */
+typedef struct ncr_distant ncr_distant;
+
 /** What methods may need. A method that lacks its part answers NCR_E_ARG with a sentence. */
 typedef struct ncr_shading_inputs {
     uint32_t object;          /* the object that is shaded; other pixels are left alone */
@@ -26,7 +29,10 @@ typedef struct ncr_shading_inputs {
     const ncr_frame *frame;
     const ncr_sample_map *map;
     const ncr_lightfield *light;
-    const ncr_probe *probe;   /* envmap, proxy */
+    const ncr_probe *probe;     /* envmap, proxy */
+    const ncr_distant *distant; /* mirror, prefiltered, fresnel, lambert */
+    const ncr_material
+        *material;            /* lambert, fresnel: its colour, which needs `frame`; NULL: white */
     const ncr_tracer *tracer; /* trace */
     bool horizon_off;         /* reconstruction without the 65 degree rule (figure 6.1b) */
     double horizon_deg;       /* 0: 65                                    [T 6.3] */
@@ -58,7 +64,8 @@ typedef struct ncr_shade_stats {
  * Find a method by "name" or "name:parameter".
  *
  *     reflect: trace  envmap  proxy  distance  angle  average  cosine-r:N  cosine-n:N  abs-r:N
- *     recon:   trace  nearest  average4
+ *              mirror  prefiltered  fresnel:n
+ *     recon:   trace  nearest  average4  lambert  fresnel:n
  *
  * @return  NCR_E_ARG for an unknown name (the sentence offers the nearest one), a missing,
  *          superfluous or out-of-range parameter
@@ -71,10 +78,10 @@ NCR_API const char *ncr_method_name(size_t k, const char **summary);
 /**
  * Shade the object's pixels of a G-buffer.
  *
- * @param term    RECON with nearest, average4 or trace; REFLECT with the others or trace; FULL
- *                composes reconstruction (`recon`, NULL: trace when `method` is trace, nearest
- *                when a field is given, else trace) with `specular` * reflection
- * @param specular  C_s of FULL; NULL: 1
+ * @param term    RECON or REFLECT with a method that has that term; FULL composes reconstruction
+ *                (`recon`, NULL: the method's own if it has one, lambert for methods of distant
+ *                light, nearest when a field is given, else trace) with `specular` * reflection
+ * @param specular  C_s of FULL; NULL: 1. A Fresnel coat has its own
  * @param image   same size, 3 channels; only the object's pixels are written
  *
  * Deterministic for any number of workers. NCR_E_ARG, NCR_E_CANCELLED, NCR_E_NOMEM.

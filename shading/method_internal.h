@@ -57,6 +57,9 @@ typedef void ncr_shade_fn(const ncr_shade_job *job, const ncr_method *method, nc
 
 /* Parts a method cannot do without. */
 enum { NCR_NEEDS_FIELD = 1, NCR_NEEDS_PROBE = 2, NCR_NEEDS_TRACER = 4 };
+/* Distant light; filtered by Lambert's lobe; by the chosen lobe, or if there is one. */
+enum { NCR_NEEDS_DISTANT = 128, NCR_NEEDS_DIFFUSE = 256, NCR_NEEDS_GLOSS = 512 };
+enum { NCR_TAKES_GLOSS = 1024 };
 
 /* In which directions a method looks up the field, so that a plan can leave out the others: along
  * r, or from the point to the surface; at any of the candidates, or only at the first one (of a
@@ -64,10 +67,17 @@ enum { NCR_NEEDS_FIELD = 1, NCR_NEEDS_PROBE = 2, NCR_NEEDS_TRACER = 4 };
 enum { NCR_LOOKS_ALONG_R = 8, NCR_LOOKS_AT_SURFACE = 16, NCR_LOOKS_FROM_FIRST = 32 };
 enum { NCR_READS_DEPTH = 64 }; /* and asks for distances */
 
+/* What follows a method's name. */
+typedef enum ncr_parameter {
+    NCR_PARAMETER_NONE = 0,
+    NCR_PARAMETER_EXPONENT, /* "name:N", N in [0, 1e6] or inf */
+    NCR_PARAMETER_INDEX,    /* "name:n", an index of refraction, (0, 1e6] */
+} ncr_parameter;
+
 /* A row of the registry. */
 typedef struct ncr_method_entry {
     const char *name, *summary;
-    bool takes_exponent; /* "name:N", N in [0, 1e6] or inf */
+    ncr_parameter takes;
     unsigned needs;
     ncr_shade_fn *recon, *reflect; /* NULL: this method has no such term */
     int detail;                    /* whatever tells entries with the same function apart */
@@ -81,6 +91,9 @@ ncr_shade_fn ncr_recon_nearest, ncr_recon_average; /* oslf_reconstruct.c */
 ncr_shade_fn ncr_reflect_blend, ncr_reflect_closest, ncr_reflect_angle;
 ncr_shade_fn ncr_reflect_envmap, ncr_reflect_proxy; /* environment.c */
 ncr_shade_fn ncr_recon_trace, ncr_reflect_trace;    /* method_trace.c */
+/* method_distant.c */
+ncr_shade_fn ncr_reflect_mirror, ncr_reflect_prefiltered, ncr_reflect_fresnel;
+ncr_shade_fn ncr_recon_lambert, ncr_recon_fresnel;
 
 /* Add neighbouring pixels [begin, end) to a run, as many as there is room for; returns how many. */
 size_t ncr_run_add(const ncr_gbuffer *gbuffer, size_t begin, size_t end, ncr_run *run);

@@ -96,6 +96,19 @@ expect 0 "RMSE  L\* 0.0000" compare "$work/trace.exr" "$work/trace.exr" --max-rm
 expect 1 "RMSE" compare "$work/trace.exr" "$work/envmap.exr" --mask "$work/mask.png" --max-rmse 0.001
 expect 2 "field" render $scene --preset quick --method angle -o "$work/a.png"
 
+# Distant light: the sky, a map, a probe.
+for method in mirror fresnel:1.5 "prefiltered --lobe phong:20" "fresnel:2 --lobe ggx:0.3" "mirror --env probe"; do
+    expect 0 "pixels" render $scene --preset quick --method $method --object-only -o "$work/far.exr"
+done
+expect 0 "pixels" render $scene --preset quick --method lambert --term recon --object-only -o "$work/far.exr"
+expect 0 "" env --chart -o "$work/chart.exr" --size 32
+expect 0 "pixels" render $scene --preset quick --method mirror --env "$work/chart.exr" -o "$work/far.png"
+expect 2 "needs a lobe" render $scene --preset quick --method prefiltered -o "$work/a.png"
+expect 2 "did you mean phong" render $scene --preset quick --method prefiltered --lobe fong:3 -o "$work/a.png"
+expect 2 "expected ggx:NUMBER" render $scene --preset quick --method prefiltered --lobe ggx -o "$work/a.png"
+expect 2 "does not read distant" render $scene --preset quick --method trace --env "$work/chart.exr" -o "$work/a.png"
+expect 3 "" render $scene --preset quick --method mirror --env "$work/none.exr" -o "$work/a.png"
+
 # What a plan leaves out is not missed by what it was made for.
 expect 2 "did you mean .nearest" bake $scene -o "$work/f" --for neerest
 expect 2 "did you mean tiles" bake $scene -o "$work/f" --for nearest --force tile

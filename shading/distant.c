@@ -1,0 +1,183 @@
+/* SPDX-License-Identifier: MIT */
+#include "shading/distant_internal.h"
+
+#include "core/vec_internal.h"
+#include "shading/method_internal.h"
+
+#include <math.h>
+
+enum { sun_pieces = 4096 };
+static const double pi = 3.14159265358979323846;
+static const double light_share = 0.01; /* of the map's power, from which a light is peeled */
+
+bool ncr_method_reads_distant(const ncr_method *method)
+{
+    return method->entry && method->entry->needs & NCR_NEEDS_DISTANT;
+}
+
+/* --- a sky ------------------------------------------------------------------------------------ */
+
+static void sky_radiance(const double d[3], void *user, float *out)
+{
+    const ncr_vec3 light = ncr_sky_radiance(user, d_to_v(d));
+    out[0] = light.x;
+    out[1] = light.y;
+    out[2] = light.z;
+}
+
+/* The texel that a direction falls into, and its solid angle. */
+static float *texel_toward(const ncr_directional_map *map, ncr_vec3 direction, double *omega)
+{
+    double world[3], own[3];
+    v_to_d(direction, world);
+    ncr_axes_apply(map->axes, world, own);
+    const ncr_map_coord at = ncr_map_from_direction(map->kind, own);
+    const uint32_t w = ncr_map_part_width(map->kind, map->size), h = map->size;
+    const double x = 0.5 * (at.s + 1) * w, y = 0.5 * (at.t + 1) * h;
+    const uint32_t i = x < w ? (uint32_t)x : w - 1, j = y < h ? (uint32_t)y : h - 1;
+    *omega = ncr_map_texel_solid_angle(map->kind, map->size, i, j);
+    return ncr_directional_map_at(map, at.part, i, j);
+}
+
+/* The disc in equal pieces, each to the texel that it falls into: all of its power arrives. */
+static void add_sun(const ncr_sky *sky, ncr_directional_map *map)
+{
+    const ncr_vec3 radiance = ncr_sky_sun_radiance(sky);
+    const double radius =
+        (sky->sun_radius_deg > 0 ? (double)sky->sun_radius_deg : 0.2666) * pi / 180;
+    const double half = sin(0.5 * radius);
+    const double piece = 4 * pi * half * half / sun_pieces;
+    for (uint32_t k = 0; k < sun_pieces; k++) {
+        const ncr_vec3 d = ncr_sky_sun_sample(sky, k, sun_pieces);
+        if (v_dot(d, d) == 0)
+            return;
+        double omega;
+        float *texel = texel_toward(map, d, &omega);
+        const float share = (float)(piece / omega);
+        texel[0] += share * radiance.x;
+        texel[1] += share * radiance.y;
+        texel[2] += share * radiance.z;
+    }
+}
+
+ncr_status ncr_distant_fill_sky(const ncr_ctx *ctx, const ncr_sky *sky, ncr_directional_map *map)
+{
+    if (map->image.channels != 3)
+        return ncr_fail(ctx, NCR_E_ARG, "a sky has 3 channels, the map %u", map->image.channels);
+    ncr_sky copy = *sky;
+    const ncr_status status =
+        ncr_directional_map_fill(ctx, map, 0.5 * pi / map->size, sky_radiance, &copy);
+    if (status == NCR_OK) {
+        add_sun(sky, map);
+        ncr_directional_map_seal(map);
+    }
+    return status;
+}
+
+ncr_status ncr_distant_probe(const ncr_ctx *ctx, const ncr_probe *probe, ncr_directional_map *out)
+{
+    const uint32_t n = ncr_lightfield_resolution(probe->light);
+    const ncr_status status = ncr_directional_map_init(ctx, NCR_MAP_CUBE, n, 3, out);
+    if (status != NCR_OK)
+        return status;
+    for (uint32_t face = 0; face < 6; face++)
+        for (uint32_t y = 0; y < n; y++)
+            for (uint32_t x = 0; x < n; x++)
+                ncr_lightfield_texel(probe->light, 0, face, x, y,
+                                     ncr_directional_map_at(out, face, x, y), NULL);
+    ncr_directional_map_seal(out);
+    return NCR_OK;
+}
+
+/* --- filters ---------------------------------------------------------------------------------- */
+
+/* Rows of an equirectangular map with as many texels. */
+static uint32_t rows_like(const ncr_directional_map *map)
+{
+    const double rows = ceil(sqrt(0.5 * map->image.width * map->image.height));
+    return rows > NCR_MAP_SIZE_MAX ? NCR_MAP_SIZE_MAX : (uint32_t)rows;
+}
+
+static ncr_status analyse(const ncr_ctx *ctx, const ncr_directional_map *map,
+                          const ncr_prefilter_opts *opts, ncr_prefilter **out)
+{
+    const bool as_it_is = map->kind == NCR_MAP_LATLONG && !map->axes.row[0];
+    if (as_it_is)
+        return ncr_prefilter_create(ctx, &map->image, opts, out);
+    ncr_directional_map flat;
+    ncr_status status =
+        ncr_directional_map_init(ctx, NCR_MAP_LATLONG, rows_like(map), map->image.channels, &flat);
+    if (status != NCR_OK)
+        return status;
+    status = ncr_directional_map_convert(ctx, map, &flat);
+    if (status == NCR_OK)
+        status = ncr_prefilter_create(ctx, &flat.image, opts, out);
+    ncr_directional_map_dispose(ctx, &flat);
+    return status;
+}
+
+static ncr_status filter(const ncr_ctx *ctx, const ncr_directional_map *map, const ncr_lobe *gloss,
+                         bool diffuse, double tolerance, ncr_distant *distant)
+{
+    const ncr_lobe lambert = {.kind = NCR_LOBE_LAMBERT};
+    const ncr_prefilter_output *positive =
+        NCR_OPTS(ncr_prefilter_output, .positivity = NCR_POSITIVITY_CLAMP);
+    ncr_prefilter *prefilter = NULL;
+    ncr_status status =
+        analyse(ctx, map,
+                NCR_OPTS(ncr_prefilter_opts, .sharpest = gloss, .tolerance = tolerance,
+                         .clamp_negative = true, .peel = light_share),
+                &prefilter);
+    if (status == NCR_OK && gloss)
+        status = ncr_prefilter_grid_create(ctx, prefilter, gloss, positive, &distant->gloss, NULL);
+    if (status == NCR_OK && diffuse)
+        status =
+            ncr_prefilter_grid_create(ctx, prefilter, &lambert, positive, &distant->diffuse, NULL);
+    ncr_prefilter_destroy(ctx, prefilter);
+    return status;
+}
+
+/* The union of what the methods' entries ask for. */
+static unsigned wanted(size_t count, const ncr_method *methods)
+{
+    unsigned needs = 0;
+    for (size_t k = 0; k < count; k++)
+        needs |= methods[k].entry ? methods[k].entry->needs : 0;
+    return needs;
+}
+
+ncr_status ncr_distant_create(const ncr_ctx *ctx, const ncr_directional_map *map, size_t count,
+                              const ncr_method *methods, const ncr_distant_opts *opts,
+                              ncr_distant **out)
+{
+    *out = NULL;
+    if (opts && !opts->struct_size)
+        return ncr_fail(ctx, NCR_E_ARG, "ncr_distant_opts without its size");
+    if (map->image.channels != 3)
+        return ncr_fail(ctx, NCR_E_ARG, "distant light of %u channels, not 3", map->image.channels);
+    const unsigned needs = wanted(count, methods);
+    const ncr_lobe *gloss = needs & NCR_TAKES_GLOSS && opts ? opts->lobe : NULL;
+    const bool diffuse = needs & NCR_NEEDS_DIFFUSE;
+    ncr_distant *distant = ncr_alloc_zero(ctx, 1, sizeof *distant);
+    if (!distant)
+        return NCR_E_NOMEM;
+    distant->map = map;
+    const double tolerance = opts ? opts->tolerance : 0;
+    const ncr_status status =
+        gloss || diffuse ? filter(ctx, map, gloss, diffuse, tolerance, distant) : NCR_OK;
+    if (status != NCR_OK) {
+        ncr_distant_destroy(ctx, distant);
+        return status;
+    }
+    *out = distant;
+    return NCR_OK;
+}
+
+void ncr_distant_destroy(const ncr_ctx *ctx, ncr_distant *distant)
+{
+    if (!distant)
+        return;
+    ncr_prefilter_grid_destroy(ctx, distant->gloss);
+    ncr_prefilter_grid_destroy(ctx, distant->diffuse);
+    ncr_free(ctx, distant);
+}

@@ -1,0 +1,14 @@
+/* SPDX-License-Identifier: MIT
+ * distant_internal.h - what the methods of distant light read. */
+#ifndef NCR_SHADING_DISTANT_INTERNAL_H
+#define NCR_SHADING_DISTANT_INTERNAL_H
+
+#include "shading/distant.h"
+#include "shading/prefilter.h"
+
+struct ncr_distant {
+    const ncr_directional_map *map;
+    ncr_prefilter_grid *gloss, *diffuse; /* NULL: nobody reads it */
+};
+
+#endif

@@ -1,0 +1,93 @@
+/* SPDX-License-Identifier: MIT
+ * This file follows:
+ *   [H]  W. Heidrich. Environment Maps And Their Applications. Tutorial, 2000 */
+#include "core/vec_internal.h"
+#include "shading/distant_internal.h"
+#include "shading/fresnel.h"
+#include "shading/method_internal.h"
+
+/* Filtered light in a run's directions. */
+static void sample_grid(const ncr_prefilter_grid *grid, const ncr_rows *directions, ncr_run *run,
+                        ncr_shade_stats *stats)
+{
+    ncr_vec3 d[NCR_RUN];
+    float rgb[NCR_RUN][3];
+    for (size_t k = 0; k < run->count; k++)
+        d[k] = ncr_rows_get(directions, k);
+    ncr_prefilter_grid_sample(grid, run->count, d, rgb[0]);
+    for (size_t k = 0; k < run->count; k++)
+        ncr_rows_set(&run->rgb, k, (ncr_vec3){rgb[k][0], rgb[k][1], rgb[k][2]});
+    stats->lookups += run->count;
+}
+
+/* L = L(r) */
+void ncr_reflect_mirror(const ncr_shade_job *job, const ncr_method *method, ncr_run *run,
+                        ncr_shade_stats *stats)
+{
+    (void)method;
+    for (size_t k = 0; k < run->count; k++) {
+        double d[3];
+        float rgb[3];
+        v_to_d(ncr_rows_get(&run->r, k), d);
+        ncr_directional_map_look_up(job->in->distant->map, d, rgb);
+        ncr_rows_set(&run->rgb, k, (ncr_vec3){rgb[0], rgb[1], rgb[2]});
+    }
+    stats->lookups += run->count;
+}
+
+/* L = int k(r.l) L(l) dl / int k                                                     [H 16, 17] */
+void ncr_reflect_prefiltered(const ncr_shade_job *job, const ncr_method *method, ncr_run *run,
+                             ncr_shade_stats *stats)
+{
+    (void)method;
+    sample_grid(job->in->distant->gloss, &run->r, run, stats);
+}
+
+/* rho L_d(n), with the irradiance of the whole hemisphere: nothing is in its way.       [H 15] */
+void ncr_recon_lambert(const ncr_shade_job *job, const ncr_method *method, ncr_run *run,
+                       ncr_shade_stats *stats)
+{
+    (void)method;
+    sample_grid(job->in->distant->diffuse, &run->n, run, stats);
+    for (size_t k = 0; job->in->material && k < run->count; k++) {
+        const float *x[3] = {run->x.at[0], run->x.at[1], run->x.at[2]};
+        double p[3] = {(double)x[0][k], (double)x[1][k], (double)x[2][k]}, model[3];
+        float albedo[3];
+        ncr_frame_to_model(job->in->frame, p, model);
+        ncr_material_albedo(job->in->material, model, run->u[k], run->v[k], albedo);
+        for (int c = 0; c < 3; c++)
+            run->rgb.at[c][k] *= albedo[c];
+    }
+}
+
+/* F(n.v), or what it leaves, times what is there. n.r = n.v.                            [H 13] */
+static void weigh(const ncr_method *method, bool rest, ncr_run *run)
+{
+    for (size_t k = 0; k < run->count; k++) {
+        const float along = v_dot(ncr_rows_get(&run->n, k), ncr_rows_get(&run->r, k));
+        const float c = along > 0 ? along < 1 ? along : 1 : 0;
+        const float f = ncr_fresnel_dielectric_f((float)method->parameter, c);
+        const float share = rest ? 1 - f : f;
+        for (int i = 0; i < 3; i++)
+            run->rgb.at[i][k] *= share;
+    }
+}
+
+/* F L_m: the coat. With a lobe, its Fresnel term is taken out of the integral.         [H 3.2.2] */
+void ncr_reflect_fresnel(const ncr_shade_job *job, const ncr_method *method, ncr_run *run,
+                         ncr_shade_stats *stats)
+{
+    if (job->in->distant->gloss)
+        ncr_reflect_prefiltered(job, method, run, stats);
+    else
+        ncr_reflect_mirror(job, method, run, stats);
+    weigh(method, false, run);
+}
+
+/* (1 - F) L_d: what the coat lets through.                                             [H 3.1.1] */
+void ncr_recon_fresnel(const ncr_shade_job *job, const ncr_method *method, ncr_run *run,
+                       ncr_shade_stats *stats)
+{
+    ncr_recon_lambert(job, method, run, stats);
+    weigh(method, true, run);
+}
