@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 #include "apps/bake_plan.h"
 
+#include <stdio.h>
 #include <string.h>
 
 enum { word_room = 64 };
@@ -39,16 +40,16 @@ static ncr_status parse_methods(const app *a, bake_plan *plan)
 
 static ncr_status parse_force(const app *a, bake_plan *plan)
 {
-    static const char *const parts[] = {"tiles", "mirror", "depth", "all"};
+    static const char *const parts[] = {"tiles", "mirror", "depth", "sight", "all"};
     const char *text = plan->force;
     char word[word_room] = "";
     while (*text) {
         const unsigned bit = next_word(&text, word) ? ncr_plan_part_bit(word) : 0;
         if (!bit) {
-            const char *nearest = ncr_nearest_word(word, 4, parts);
+            const char *nearest = ncr_nearest_word(word, sizeof parts / sizeof *parts, parts);
             return ncr_fail(&a->ctx, NCR_E_ARG,
-                            "--force %s: expected tiles, mirror, depth or all, with commas between "
-                            "them%s%s%s",
+                            "--force %s: expected tiles, mirror, depth, sight or all, with commas "
+                            "between them%s%s%s",
                             plan->force, nearest ? "; did you mean " : "", nearest ? nearest : "",
                             nearest ? "?" : "");
         }
@@ -85,6 +86,33 @@ void bake_plan_collect(bake_plan *plan, const ncr_plan *made)
                                      .saved_bytes = part->saved_bytes};
 }
 
+static void put_saving(const ncr_plan_part *part, char *out, size_t room)
+{
+    const double rays = part->of_rays ? (double)part->saved_rays / (double)part->of_rays : 0;
+    const double bytes = part->of_bytes ? (double)part->saved_bytes / (double)part->of_bytes : 0;
+    size_t length = 0;
+    out[0] = 0;
+    if (part->saved_rays)
+        length = (size_t)snprintf(out, room, "%.2f M rays (%.0f %% of %.2f M)",
+                                  1e-6 * (double)part->saved_rays, 100 * rays,
+                                  1e-6 * (double)part->of_rays);
+    if (part->saved_bytes && length < room)
+        snprintf(out + length, room - length, "%s%.1f MB (%.0f %%)", length ? " and " : "",
+                 1e-6 * (double)part->saved_bytes, 100 * bytes);
+}
+
+static void explain_part(const app *a, const ncr_plan_part *part)
+{
+    char saved[120];
+    if (!part->omitted) {
+        app_say(a, "  kept      %-7s %s", part->part, part->reason);
+        return;
+    }
+    put_saving(part, saved, sizeof saved);
+    app_say(a, "  left out  %-7s %s; saves %s, error at most %g", part->part, part->reason, saved,
+            part->bound);
+}
+
 void bake_plan_explain(const app *a, const bake_plan *plan, const ncr_plan *made)
 {
     const ncr_plan_part *part;
@@ -95,23 +123,33 @@ void bake_plan_explain(const app *a, const bake_plan *plan, const ncr_plan *made
             plan->opts.camera ? plan->camera : "anywhere", (unsigned long long)kept,
             (unsigned long long)tiles);
     for (size_t k = 0; (part = ncr_plan_part_at(made, k)) != NULL; k++)
-        if (part->omitted)
-            app_say(a, "  left out  %-7s %s; saves %.2f M rays and %.1f MB, error at most %g",
-                    part->part, part->reason, 1e-6 * (double)part->saved_rays,
-                    1e-6 * (double)part->saved_bytes, part->bound);
-        else
-            app_say(a, "  kept      %-7s %s", part->part, part->reason);
+        explain_part(a, part);
 }
 
-json_t *bake_plan_json(const bake_plan *plan)
+void bake_plan_warn(const app *a, const ncr_plan *made)
 {
+    const ncr_plan_part *part;
+    for (size_t k = 0; (part = ncr_plan_part_at(made, k)) != NULL; k++)
+        if (part->refuted)
+            app_say(a, "warning: %llu samples contradict what the plan left out of %s; --force %s",
+                    (unsigned long long)part->refuted, part->part, part->part);
+}
+
+static json_t *part_json(const ncr_plan_part *part)
+{
+    return json_pack("{s:s, s:s, s:f, s:I, s:I, s:I, s:I, s:I}", "part", part->part, "reason",
+                     part->reason, "bound", part->bound, "saved_rays", (json_int_t)part->saved_rays,
+                     "of_rays", (json_int_t)part->of_rays, "saved_bytes",
+                     (json_int_t)part->saved_bytes, "of_bytes", (json_int_t)part->of_bytes,
+                     "refuted", (json_int_t)part->refuted);
+}
+
+json_t *bake_plan_json(const ncr_plan *made)
+{
+    const ncr_plan_part *part;
     json_t *list = json_array();
-    for (size_t k = 0; k < plan->omitted_count; k++) {
-        const ncr_field_omission *o = &plan->omitted[k];
-        json_array_append_new(list, json_pack("{s:s, s:s, s:f, s:I, s:I}", "part", o->part,
-                                              "reason", o->reason, "bound", o->bound, "saved_rays",
-                                              (json_int_t)o->saved_rays, "saved_bytes",
-                                              (json_int_t)o->saved_bytes));
-    }
+    for (size_t k = 0; (part = ncr_plan_part_at(made, k)) != NULL; k++)
+        if (part->omitted)
+            json_array_append_new(list, part_json(part));
     return list;
 }

@@ -25,7 +25,11 @@ void bake_plan_collect(bake_plan *plan, const ncr_plan *made);
 /** Say what is left out and what is kept, and why. */
 void bake_plan_explain(const app *a, const bake_plan *plan, const ncr_plan *made);
 
-/** [{part, reason, bound, saved_rays, saved_bytes}] */
-json_t *bake_plan_json(const bake_plan *plan);
+/** Say so where a sample of what was left out proved the plan wrong. */
+void bake_plan_warn(const app *a, const ncr_plan *made);
+
+/** [{part, reason, bound, saved_rays, of_rays, saved_bytes, of_bytes, refuted}] of what is left
+ *  out. */
+json_t *bake_plan_json(const ncr_plan *made);
 
 #endif

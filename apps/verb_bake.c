@@ -71,6 +71,7 @@ static void follow_plan(field_target *t, const ncr_plan *made)
     t->info.omitted_count = plan->omitted_count;
     if (t->o->explain)
         bake_plan_explain(t->a, plan, made);
+    bake_plan_warn(t->a, made);
 }
 
 static ncr_status open_field(void *user, const ncr_baked *baked, uint32_t n, bool depth,
@@ -135,12 +136,27 @@ static json_t *tile_counts(const ncr_baked *baked, const ncr_bake_report *r, uin
                      (json_int_t)resumed, "omitted", (json_int_t)omitted);
 }
 
-static json_t *summary(const bake_options *o, const stage *s, const ncr_baked *baked,
-                       const ncr_bake_report *r, const written_field *w, double total)
+/* How well the points cover each patch. */
+static json_t *coverage_list(const ncr_baked *baked)
+{
+    json_t *list = json_array();
+    for (uint32_t k = 0; k < baked->map.patch_count; k++) {
+        const ncr_coverage *c = &baked->coverage[k];
+        json_array_append_new(
+            list, json_pack("{s:I, s:I, s:I, s:I, s:I, s:I}", "patch", (json_int_t)k, "texels",
+                            (json_int_t)c->texels, "buried", (json_int_t)c->buried, "short_of_four",
+                            (json_int_t)c->short_of_four, "uncovered", (json_int_t)c->uncovered,
+                            "violating_free_space", (json_int_t)c->blocked));
+    }
+    return list;
+}
+
+static json_t *summary(const stage *s, const ncr_baked *baked, const ncr_bake_report *r,
+                       const written_field *w, double total)
 {
     return json_pack(
         "{s:s, s:s, s:I, s:I, s:I, s:I, s:I, s:I, s:{s:f, s:f, s:f, s:f, s:f, s:f, s:f}, s:I, s:o, "
-        "s:o}",
+        "s:o, s:o}",
         "schema", "nacre.bake/1", "object", ncr_scene_object_name(s->world->scene, s->object),
         "points", (json_int_t)baked->points.count, "patches", (json_int_t)baked->map.patch_count,
         "texels", (json_int_t)r->total.texels, "texels_short_of_four",
@@ -149,7 +165,8 @@ static json_t *summary(const bake_options *o, const stage *s, const ncr_baked *b
         r->seconds.place, "maps", r->seconds.maps, "plan", r->seconds.plan, "capture",
         r->seconds.capture, "write", w->seconds, "total", total, "rays",
         (json_int_t)(stage_rays(&r->capture.rays) + r->map.rays + s->light.rays), "tiles",
-        tile_counts(baked, r, w->resumed), "omitted", bake_plan_json(&o->plan));
+        tile_counts(baked, r, w->resumed), "omitted", bake_plan_json(baked->plan), "coverage",
+        coverage_list(baked));
 }
 
 static ncr_status bake_field(bake_options *o, stage *s, ncr_baked *baked, ncr_bake_report *report,
@@ -210,6 +227,33 @@ static ncr_status bake_field(bake_options *o, stage *s, ncr_baked *baked, ncr_ba
     return status;
 }
 
+enum { coverage_lines = 40 };
+
+/* The patches of which there is something to say. */
+static void say_coverage(const app *a, const ncr_baked *baked, const ncr_coverage *total)
+{
+    uint32_t said = 0, more = 0;
+    app_say(a,
+            "texels: %u; buried %u, short of four points %u, uncovered %u, violating free space %u",
+            total->texels, total->buried, total->short_of_four, total->uncovered, total->blocked);
+    for (uint32_t k = 0; k < baked->map.patch_count; k++) {
+        const ncr_coverage *c = &baked->coverage[k];
+        if (!c->buried && !c->short_of_four && !c->uncovered && !c->blocked)
+            continue;
+        if (said == coverage_lines) {
+            more++;
+            continue;
+        }
+        if (!said++)
+            app_say(a, "%9s %9s %9s %9s %9s %9s", "patch", "texels", "buried", "short", "uncovered",
+                    "violating");
+        app_say(a, "%9u %9u %9u %9u %9u %9u", k, c->texels, c->buried, c->short_of_four,
+                c->uncovered, c->blocked);
+    }
+    if (more)
+        app_say(a, "and %u more patches; --json lists all", more);
+}
+
 static void say_summary(const bake_options *o, const stage *s, const ncr_baked *baked,
                         const ncr_bake_report *r, uint64_t bytes, double total)
 {
@@ -229,8 +273,7 @@ static void say_summary(const bake_options *o, const stage *s, const ncr_baked *
             1e-6 * (double)stage_rays(&r->capture.rays));
     app_say(a, "removed: %zu inside a solid, %zu blocked, %zu without a normal",
             r->place.removed_inside, r->place.removed_blocked, r->place.removed_no_normal);
-    app_say(a, "texels: %u, buried %u, short of four %u, uncovered %u", r->total.texels,
-            r->total.buried, r->total.short_of_four, r->total.uncovered);
+    say_coverage(a, baked, &r->total);
 }
 
 static ncr_status run_bake(bake_options *o)
@@ -251,7 +294,7 @@ static ncr_status run_bake(bake_options *o)
     if (status == NCR_OK) {
         const double total = app_seconds() - began;
         say_summary(o, &s, &baked, &report, written.bytes, total);
-        app_print_json(a, summary(o, &s, &baked, &report, &written, total));
+        app_print_json(a, summary(&s, &baked, &report, &written, total));
     }
     ncr_baked_dispose(&a->ctx, &baked);
     stage_close(a, &s);
@@ -281,7 +324,7 @@ int verb_bake(int argc, char **argv)
         {"--camera", 0, OPTION_TEXT, &o.plan.camera, "NAME",
          "and only what this camera's place sees (default any)"},
         {"--force", 0, OPTION_TEXT, &o.plan.force, "PARTS",
-         "capture all the same: tiles, mirror, depth or all"},
+         "do all the same: tiles, mirror, depth, sight or all"},
         {"--explain", 0, OPTION_FLAG, &o.explain, NULL,
          "say what is left out and why; without -o, only that"},
         {"--memory", 0, OPTION_NUMBER, &o.memory, "BYTES", "refuse a larger field"},

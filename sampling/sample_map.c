@@ -6,10 +6,11 @@
  *
  * A block is 64 x 64 texels of one patch: the whole list of points is looked through once per
  * block, and each of its 16 x 16 tiles looks through what the block keeps. */
-#include "sampling/sample_map_internal.h"
+#include "sampling/clear_space_internal.h"
 
 #include <string.h>
 
+enum { confirmed = 16 }; /* one tile in so many is traced although its sight is clear */
 enum { block_side = 64, block_tiles = (block_side / NCR_MAP_TILE) * (block_side / NCR_MAP_TILE) };
 
 typedef struct worker_scratch {
@@ -23,6 +24,7 @@ typedef struct map_job {
     const ncr_surface *surface;
     ncr_sight sight;
     bool rays; /* settle tiles by tracing */
+    ncr_sight_kind found;
     ncr_sample_map *map;
     uint32_t resolution, side, blocks; /* texels per block side, blocks per chart side */
     const ncr_tile_kernel *kernel;
@@ -79,7 +81,9 @@ static void map_block(const map_job *job, size_t block, worker_scratch *s)
         ncr_candidates_select(&s->of_block, &s->bounds[t], job->sight.horizon, 4, &s->of_tile);
         job->kernel->nearest(tile, &s->of_tile, job->sight.horizon.cos2, four);
         tally->stats.candidates += s->of_tile.count * tile->side * tile->side;
-        if (job->rays)
+        if (job->sight.clear && (block * tiles + t) % confirmed)
+            ncr_sight_assume(tile, four, tally);
+        else if (job->rays)
             ncr_sight_settle(&job->sight, tile, &s->bounds[t], four, &s->sight, tally);
         store_tile(job, &job->map->charts[patch], i, j, tile->side, four);
     }
@@ -120,11 +124,13 @@ static worker_scratch *make_scratch(const ncr_ctx *ctx, size_t points, bool rays
 static void combine(const map_job *job, ncr_coverage *coverage, ncr_sample_map_stats *stats)
 {
     const size_t per_chart = (size_t)job->blocks * job->blocks;
-    ncr_sample_map_stats sum = {0};
+    ncr_sample_map_stats sum = {.sight = job->found};
     for (size_t k = 0; k < job->map->patch_count * per_chart; k++) {
         const ncr_tile_tally *t = &job->tally[k];
         sum.rays += t->stats.rays;
         sum.candidates += t->stats.candidates;
+        sum.skipped += t->stats.skipped;
+        sum.refuted += t->stats.refuted;
         if (!coverage)
             continue;
         ncr_coverage *c = &coverage[k / per_chart];
@@ -290,6 +296,10 @@ ncr_status ncr_sample_map_build(const ncr_ctx *ctx, const ncr_scene *scene, uint
                     .horizon = ncr_horizon_of(opts->horizon_deg > 0 ? opts->horizon_deg : 85),
                     .lift = ncr_visibility_lift(scene, object),
                     .require_free = opts->occlusion};
+    if (status == NCR_OK && opts->skip_clear && job.rays) {
+        status = ncr_clear_space_find(ctx, &job.sight, object, &job.found);
+        job.sight.clear = job.found == NCR_SIGHT_CLEAR;
+    }
     if (status == NCR_OK)
         status = run(ctx, &job, coverage, stats);
     ncr_candidates_dispose(ctx, &all);

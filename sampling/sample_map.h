@@ -31,7 +31,19 @@ typedef struct ncr_sample_map_opts {
     uint32_t resolution; /* texels per side and patch, a power of two; 0: 64 */
     double horizon_deg;  /* points lower than this off the normal do not count; 0: 85 */
     bool occlusion;      /* also require the segment from texel to point to be free */
+    /** Where geometry proves every segment free, trace those of one tile in sixteen only. The map
+     *  and its coverage are the same.                                                     [Z-02] */
+    bool skip_clear;
 } ncr_sample_map_opts;
+
+/** What geometry says of the segments between texels and points. */
+typedef enum ncr_sight_kind {
+    NCR_SIGHT_UNKNOWN, /* it was not asked */
+    NCR_SIGHT_HOLLOW,  /* the object is not convex */
+    NCR_SIGHT_CLOSE,   /* some point is too close to the object to tell, or in it */
+    NCR_SIGHT_CROWDED, /* another object may come between */
+    NCR_SIGHT_CLEAR,   /* all are free */
+} ncr_sight_kind;
 
 /** Per patch: how well the points cover it. A texel is buried when its centre, lifted off the
  *  surface by a few chord tolerances, lies in a solid: nobody sees it, so it keeps the nearest
@@ -48,6 +60,9 @@ typedef struct ncr_coverage {
 typedef struct ncr_sample_map_stats {
     uint64_t rays;       /* occlusion rays */
     uint64_t candidates; /* points tested against the horizon */
+    ncr_sight_kind sight;
+    uint64_t skipped; /* rays left out because the sight is clear */
+    uint64_t refuted; /* of those traced all the same, how many met something: 0 */
 } ncr_sample_map_stats;
 
 /**

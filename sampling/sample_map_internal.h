@@ -15,6 +15,7 @@ typedef struct ncr_sight {
     ncr_horizon horizon;
     double lift;
     bool require_free; /* occlusion mode */
+    bool clear;        /* geometry proves all segments free: what is traced only confirms it */
 } ncr_sight;
 
 /* One worker's room for the test. */
@@ -48,5 +49,8 @@ void ncr_buried_find(const ncr_sight *sight, const ncr_texel_tile *tile, uint8_t
 void ncr_sight_settle(const ncr_sight *sight, const ncr_texel_tile *tile,
                       const ncr_tile_bound *bound, uint64_t *four, ncr_sight_scratch *scratch,
                       ncr_tile_tally *tally);
+
+/* The same where all segments are known to be free, without tracing any. */
+void ncr_sight_assume(const ncr_texel_tile *tile, const uint64_t *four, ncr_tile_tally *tally);
 
 #endif

@@ -165,6 +165,7 @@ static void judge(const ncr_sight *sight, const ncr_texel_tile *tile, ncr_sight_
     for (uint32_t k = 0; k < texels; k++)
         air[k] = has_normal(tile, k) ? NCR_AIR_UNKNOWN : NCR_AIR_NONE;
     for (size_t s = 0; s < scratch->segments.count; s++) {
+        tally->stats.refuted += sight->clear && scratch->segments.blocked[s];
         if (scratch->segments.blocked[s])
             walkers[scratch->texel[s]].blocked = true;
         else if (!sight->inside[scratch->point[s]])
@@ -224,6 +225,18 @@ void ncr_sight_settle(const ncr_sight *sight, const ncr_texel_tile *tile,
             four[k] = pack(&walkers[k]);
         else
             tally->coverage.blocked += walkers[k].blocked;
+        count_texel(four[k], &tally->coverage);
+    }
+}
+
+void ncr_sight_assume(const ncr_texel_tile *tile, const uint64_t *four, ncr_tile_tally *tally)
+{
+    for (uint32_t k = 0; k < tile->side * tile->side; k++) {
+        for (unsigned slot = 0; slot < stored; slot++)
+            tally->stats.skipped += index_of(four[k], slot) != NCR_NO_POINT;
+        if (!has_normal(tile, k))
+            continue;
+        tally->coverage.texels++;
         count_texel(four[k], &tally->coverage);
     }
 }

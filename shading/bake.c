@@ -65,6 +65,7 @@ static ncr_status map(const ncr_ctx *ctx, const ncr_scene *scene, const ncr_bake
         return NCR_E_NOMEM;
     ncr_sample_map_opts map_opts = opts->map;
     map_opts.struct_size = sizeof map_opts;
+    map_opts.skip_clear = opts->plan && !(opts->plan->force & NCR_PLAN_SIGHT);
     const ncr_status status =
         ncr_sample_map_build(ctx, scene, opts->object, &baked->points, &map_opts, &baked->map,
                              baked->coverage, &report->map);
@@ -74,7 +75,7 @@ static ncr_status map(const ncr_ctx *ctx, const ncr_scene *scene, const ncr_bake
 }
 
 static ncr_status plan(const ncr_ctx *ctx, const ncr_world *world, const ncr_bake_opts *opts,
-                       uint32_t n, ncr_baked *baked)
+                       uint32_t n, const ncr_sample_map_stats *map_stats, ncr_baked *baked)
 {
     if (!opts->plan)
         return NCR_OK;
@@ -82,6 +83,7 @@ static ncr_status plan(const ncr_ctx *ctx, const ncr_world *world, const ncr_bak
     o.object = opts->object;
     o.cube = n;
     o.depth |= opts->depth;
+    o.map_stats = map_stats;
     return ncr_plan_create(ctx, world, &baked->points, &baked->map, &o, &baked->plan);
 }
 
@@ -134,7 +136,7 @@ static ncr_status bake(const ncr_ctx *ctx, const ncr_tracer *tracer, const ncr_b
         status = map(ctx, scene, opts, baked, report);
     const double mapped = seconds_now();
     if (status == NCR_OK)
-        status = plan(ctx, tracer->world, opts, n, baked);
+        status = plan(ctx, tracer->world, opts, n, &report->map, baked);
     const double planned = seconds_now();
 
     const bool depth = baked->plan ? ncr_plan_keeps_depth(baked->plan) : opts->depth;

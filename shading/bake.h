@@ -13,11 +13,12 @@ NCR_BEGIN
 typedef struct ncr_bake_opts {
     size_t struct_size;
     uint32_t object;
-    ncr_grid_opts grid; /* struct_size is filled here */
-    ncr_sample_map_opts map;
-    uint32_t cube; /* texels per face side; 0: 64 */
+    ncr_grid_opts grid;      /* struct_size is filled here */
+    ncr_sample_map_opts map; /* struct_size and skip_clear are filled here */
+    uint32_t cube;           /* texels per face side; 0: 64 */
     bool depth;
-    /** What need not be captured; its object, cube and depth are filled here. NULL: all is. */
+    /** What need not be captured or traced; its object, cube, depth and map_stats are filled here.
+     *  NULL: all is. */
     const ncr_plan_opts *plan;
     bool plan_only; /* stop when all is known and nothing captured; `sink_for` is not called */
     /** Instead of placing: these points (borrowed), for a caller's own placement. NULL: place. */

@@ -11,7 +11,7 @@
 #include <stdio.h>
 #include <string.h>
 
-enum { part_room = 3, reason_room = 200 };
+enum { part_room = 4, reason_room = 200 };
 
 struct ncr_plan {
     uint32_t points, cube;
@@ -29,6 +29,7 @@ static const struct {
 } part_names[] = {{"tiles", NCR_PLAN_TILES},
                   {"mirror", NCR_PLAN_MIRROR},
                   {"depth", NCR_PLAN_DEPTH},
+                  {"sight", NCR_PLAN_SIGHT},
                   {"all", NCR_PLAN_ALL}};
 
 unsigned ncr_plan_part_bit(const char *name)
@@ -154,11 +155,25 @@ static ncr_plan_part *describe_tiles(ncr_plan *plan, const ncr_plan_scope *scope
                     scope->any_eye ? "anywhere" : "this eye");
 }
 
-static void count_saved(ncr_plan_part *part, uint64_t texels, const ncr_plan_opts *opts, bool depth)
+static uint64_t all_texels(const ncr_plan *plan)
 {
+    return (uint64_t)plan->points * 6 * plan->cube * plan->cube;
+}
+
+static uint64_t texel_size(const ncr_plan_opts *opts)
+{
+    return opts->texel_bytes ? opts->texel_bytes : 6;
+}
+
+static void count_saved(ncr_plan_part *part, uint64_t texels, const ncr_plan_opts *opts,
+                        const ncr_plan *plan)
+{
+    const uint64_t bytes = texel_size(opts) + (plan->depth ? sizeof(float) : 0);
     part->omitted = texels > 0;
     part->saved_rays = texels;
-    part->saved_bytes = texels * ((opts->texel_bytes ? opts->texel_bytes : 6u) + (depth ? 4u : 0u));
+    part->saved_bytes = texels * bytes;
+    part->of_rays = all_texels(plan);
+    part->of_bytes = part->of_rays * bytes;
 }
 
 /* Mark what is read; twice where reflections are left out, to tell what that alone saves. */
@@ -169,14 +184,14 @@ static ncr_status plan_tiles(const ncr_ctx *ctx, ncr_plan_scope *scope, const nc
     if (status != NCR_OK)
         return status;
     const uint64_t unread = omitted_texels(plan);
-    count_saved(describe_tiles(plan, scope), unread, opts, plan->depth);
+    count_saved(describe_tiles(plan, scope), unread, opts, plan);
     if (!no_mirror)
         return NCR_OK;
     scope->reads.mirror = false;
     status = omit_unread(ctx, scope, plan);
     if (status == NCR_OK)
         count_saved(add_part(plan, "mirror", "the object's mirror colour is zero"),
-                    omitted_texels(plan) - unread, opts, plan->depth);
+                    omitted_texels(plan) - unread, opts, plan);
     return status;
 }
 
@@ -235,9 +250,29 @@ static void describe_depth(const ncr_plan_opts *opts, ncr_plan *plan)
                                    : plan->depth                  ? "a method reads distances"
                                    : opts->methods ? "none of the methods reads distances"
                                                    : "no method was named that reads distances");
-    const uint64_t texels = (uint64_t)plan->points * 6 * plan->cube * plan->cube;
+    const uint64_t texels = all_texels(plan);
     part->omitted = !plan->depth;
     part->saved_bytes = plan->depth ? 0 : (texels - omitted_texels(plan)) * sizeof(float);
+    part->of_bytes = texels * (texel_size(opts) + sizeof(float));
+}
+
+static void describe_sight(const ncr_plan_opts *opts, ncr_plan *plan)
+{
+    static const char *const reasons[] = {
+        [NCR_SIGHT_UNKNOWN] = "forced",
+        [NCR_SIGHT_HOLLOW] = "the object is not convex: it may hide points from itself",
+        [NCR_SIGHT_CLOSE] = "a sample point is too close to the object, or in it",
+        [NCR_SIGHT_CROWDED] = "another object may come between the object and its points",
+        [NCR_SIGHT_CLEAR] = "the object is convex, and nothing else comes near its points",
+    };
+    const ncr_sample_map_stats *cost = opts->map_stats;
+    if (!cost)
+        return;
+    ncr_plan_part *part = add_part(plan, "sight", "%s", reasons[cost->sight]);
+    part->omitted = cost->skipped > 0;
+    part->saved_rays = cost->skipped;
+    part->of_rays = cost->rays + cost->skipped;
+    part->refuted = cost->refuted;
 }
 
 static ncr_status check(const ncr_ctx *ctx, const plan_subject *subject, const ncr_plan_opts *opts)
@@ -286,6 +321,7 @@ ncr_status ncr_plan_create(const ncr_ctx *ctx, const ncr_world *world, const ncr
         return status;
     }
     describe_depth(opts, plan);
+    describe_sight(opts, plan);
     *out = plan;
     return NCR_OK;
 }

@@ -13,7 +13,8 @@ enum {
     NCR_PLAN_TILES = 1,  /* cube tiles that no look-up can touch                          [Z-03] */
     NCR_PLAN_MIRROR = 2, /* tiles that only reflections look up, of an object without any [Z-06] */
     NCR_PLAN_DEPTH = 4,  /* distances that nobody reads                                   [Z-07] */
-    NCR_PLAN_ALL = 7,
+    NCR_PLAN_SIGHT = 8,  /* rays between a convex object and its points                   [Z-02] */
+    NCR_PLAN_ALL = 15,
 };
 
 typedef struct ncr_plan_opts {
@@ -30,6 +31,9 @@ typedef struct ncr_plan_opts {
     bool depth;           /* distances are wanted in any case */
     uint32_t texel_bytes; /* of a stored texel without its distance, to count what is saved; 0: 6 */
     unsigned force;       /* NCR_PLAN_* bits: capture these parts all the same */
+    /** What making `map` cost, so that the plan can tell the rays that skip_clear saved; not kept.
+     *  NULL: they are not told. */
+    const ncr_sample_map_stats *map_stats;
 } ncr_plan_opts;
 
 /** A part and what became of it. */
@@ -37,7 +41,9 @@ typedef struct ncr_plan_part {
     const char *part, *reason; /* "tiles"; one line */
     bool omitted;
     double bound; /* on what that changes in a pixel, linear radiance; 0: nothing, to the bit */
-    uint64_t saved_rays, saved_bytes; /* view rays; bytes of texels */
+    uint64_t saved_rays, saved_bytes; /* view rays, of `sight` its own; bytes of texels */
+    uint64_t of_rays, of_bytes;       /* that there are of these without any plan */
+    uint64_t refuted;                 /* samples of what was left out that proved it wrong: 0 */
 } ncr_plan_part;
 
 typedef struct ncr_plan ncr_plan;

@@ -75,7 +75,7 @@ expect 5 "--memory" bake $scene --preset quick -o "$work/f" --memory 1000
 expect 0 "points" bake $scene --preset quick -o "$work/s.field" --json
 cp "$work/out" "$work/bake.json"
 member "$work/bake.json" schema object points patches texels texels_short_of_four texels_uncovered bytes \
-    seconds.place seconds.maps seconds.plan seconds.capture seconds.write seconds.total rays omitted
+    seconds.place seconds.maps seconds.plan seconds.capture seconds.write seconds.total rays omitted coverage
 expect 0 "field of object" info "$work/s.field" --verify
 for method in trace envmap proxy distance angle average cosine-r:4 cosine-n:4 abs-r:4; do
     expect 0 "pixels" render $scene --preset quick --field "$work/s.field" --method $method \
@@ -137,6 +137,28 @@ expect 0 "look-ups met tiles" render $scene --preset quick --field "$work/n.fiel
 expect 0 "kept      tiles   forced" bake $scene --preset quick --for nearest --camera main --force tiles \
     --explain -o "$work/q.field"
 cmp "$work/s.field/radiance.exr" "$work/q.field/radiance.exr" || failures=$((failures + 1))
+
+# A convex object needs no rays to find which points its texels see; the maps are the same.
+spheres=data/scenes/spheres.json
+expect 0 "left out  sight" bake $spheres --preset quick --for cosine-n:4,nearest --camera main --explain --json \
+    -o "$work/c.field"
+cp "$work/out" "$work/convex.json"
+jq -e '[.omitted[].part] == ["tiles", "depth", "sight"] and all(.omitted[]; .refuted == 0 and .bound == 0) and
+    (.omitted[2] | .saved_rays * 10 > .of_rays)' "$work/convex.json" >/dev/null || failures=$((failures + 1))
+jq -e '(.coverage | length) == .patches and .texels == ([.coverage[].texels] | add) and
+    .texels_short_of_four == ([.coverage[].short_of_four] | add) and
+    all(.coverage[]; has("buried") and has("uncovered") and has("violating_free_space"))' "$work/convex.json" \
+    >/dev/null || failures=$((failures + 1))
+expect 0 "kept      sight   forced" bake $spheres --preset quick --force all --explain --json -o "$work/a.field"
+jq -e --slurpfile thin "$work/convex.json" '.omitted == [] and .coverage == $thin[0].coverage' "$work/out" \
+    >/dev/null || failures=$((failures + 1))
+for field in c a; do
+    expect 0 "pixels" render $spheres --preset quick --field "$work/$field.field" --method cosine-n:4 --json \
+        -o "$work/of-$field.exr"
+    jq -e '.trapped == 0' "$work/out" >/dev/null || failures=$((failures + 1))
+done
+cmp "$work/of-c.exr" "$work/of-a.exr" || failures=$((failures + 1))
+expect 0 "kept      sight   the object is not convex" bake data/scenes/room.json --preset quick --explain
 
 # A field larger than the memory allowed gives the same bytes.
 expect 0 "light from the file" render $scene --preset quick --field "$work/s.field" --method cosine-n:4 \
