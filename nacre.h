@@ -52,6 +52,7 @@
 #include "shading/sky.h"
 #include "shading/tile_cache.h"
 #include "shading/tracer.h"
+#include "shading/view_sphere.h"
 #include "shading/world.h"
 
 #endif
