@@ -49,6 +49,7 @@
 #include "shading/orientation_chart.h"
 #include "shading/plan.h"
 #include "shading/prefilter.h"
+#include "shading/rsibr.h"
 #include "shading/sky.h"
 #include "shading/tile_cache.h"
 #include "shading/tracer.h"
