@@ -290,6 +290,43 @@ static void a_call_that_fails_leaves_the_earlier_field(void **state)
     dispose(&two);
 }
 
+/* Memory that runs out at every n-th request of the bake that goes on: nothing is held, the earlier
+ * field stays, and what was kept is not lost by it. */
+static void refused_memory_loses_nothing_of_what_was_kept(void **state)
+{
+    (void)state;
+    made_field one = make_resumable(8, NCR_TEXEL_HALF, false, 37);
+    made_field two = make_resumable(8, NCR_TEXEL_HALF, false, 38);
+    const file_path p = file_at("poor.field"), copy = file_at("one.field");
+    const file_path whole = file_at("whole.field");
+    CHECK_STATUS(NCR_OK, bake(&one, copy.text, NULL));
+    CHECK_STATUS(NCR_OK, bake(&two, whole.text, NULL));
+    CHECK_STATUS(NCR_OK, bake(&one, p.text, NULL));
+    bake_and_die(&two, p.text, 0, tile_count(&two) / 2);
+    ncr_status status = NCR_E_NOMEM;
+    long n = 0;
+    for (; status == NCR_E_NOMEM; n++) {
+        file_meter m = {.left = n};
+        const ncr_ctx poor = file_meter_ctx(&m);
+        ncr_field_writer *writer;
+        ncr_tile_sink sink;
+        status = ncr_field_writer_create(&poor, p.text, &two.info, &two.baked, &writer, &sink);
+        if (status == NCR_OK) {
+            CHECK(ncr_field_writer_resumed(writer).tiles >= tile_count(&two) / 2, "after %ld", n);
+            for (uint32_t t = 0; t < tile_count(&two); t++)
+                if (!ncr_field_writer_has(writer, t / 6, t % 6, 0, 0))
+                    CHECK_STATUS(NCR_OK, send_tile(&two, &sink, t));
+            status = ncr_field_writer_finish(&poor, writer, NULL);
+        }
+        assert_int_equal(m.held, 0);
+        expect_same_files(status == NCR_OK ? whole.text : copy.text, p.text);
+    }
+    CHECK_STATUS(NCR_OK, status);
+    CHECK(n > 5, "only %ld requests", n);
+    dispose(&one);
+    dispose(&two);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -298,6 +335,7 @@ int main(void)
         cmocka_unit_test(tiles_of_another_bake_are_not_taken),
         cmocka_unit_test(a_bake_left_off_goes_on),
         cmocka_unit_test(a_call_that_fails_leaves_the_earlier_field),
+        cmocka_unit_test(refused_memory_loses_nothing_of_what_was_kept),
     };
     return cmocka_run_group_tests(tests, files_make_folder, files_remove_folder);
 }

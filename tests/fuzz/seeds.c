@@ -1,11 +1,12 @@
 /* SPDX-License-Identifier: MIT
  * seeds.c - writes small files of every format into the folders of a fuzzing corpus:
  *
- *     fuzz_seeds CORPUS      with CORPUS/{hdr,exr,png_map,field,ktx2} there already */
+ *     fuzz_seeds CORPUS      with CORPUS/{hdr,exr,png_map,field,map,journal,ktx2} there already */
 #include "small_field.h"
 
 #include "io/image_file.h"
 #include "io/ktx2_file.h"
+#include "io/map_file.h"
 #include "tests/exr_sample_openexr.h"
 
 enum { side = 17 };
@@ -98,21 +99,68 @@ static void write_exr_samples(const char *corpus)
     }
 }
 
-/* Each file of a field, after the byte that fuzz_field.c tells files by. */
+/* A file after the byte that a target tells files by. */
+static void put_led(const char *from, size_t lead, const char *to)
+{
+    size_t size;
+    uint8_t *data = fuzz_get(from, &size);
+    memmove(data + 1, data, size);
+    data[0] = (uint8_t)lead;
+    fuzz_put(to, data, size + 1);
+    free(data);
+}
+
 static void write_field_files(const char *corpus)
 {
     small_field_write(fuzz_at("small.field").text);
     for (size_t k = 0; k < small_file_count; k++) {
-        char name[64];
-        size_t size;
-        snprintf(name, sizeof name, "small.field/%s", small_files[k]);
-        uint8_t *data = fuzz_get(fuzz_at(name).text, &size);
-        memmove(data + 1, data, size);
-        data[0] = (uint8_t)k;
-        snprintf(name, sizeof name, "field/%s", small_files[k]);
-        fuzz_put(in(corpus, name).text, data, size + 1);
-        free(data);
+        char from[64], to[64];
+        snprintf(from, sizeof from, "small.field/%s", small_files[k]);
+        snprintf(to, sizeof to, "field/%s", small_files[k]);
+        put_led(fuzz_at(from).text, k, in(corpus, to).text);
     }
+}
+
+/* Every convention in every format: as the file itself says, and as one that it does not say. */
+static void write_maps(const char *corpus)
+{
+    static const char *const ends[] = {"exr", "hdr", "png"};
+    const ncr_convention *c;
+    for (size_t k = 0; (c = ncr_convention_at(k)); k++) {
+        ncr_directional_map map;
+        const char *end = ends[k % 3];
+        char to[64];
+        FUZZ_CHECK(ncr_directional_map_init(NULL, c->kind, 4, 3, &map) == NCR_OK);
+        fill(map.image.data, (size_t)map.image.width * map.image.height * 3);
+        ncr_directional_map_seal(&map);
+        const ncr_map_file_opts opts = {.struct_size = sizeof opts, .as = {c, {{0}}}};
+        snprintf(to, sizeof to, "map-%%.%s", end);
+        FUZZ_CHECK(ncr_map_file_write(NULL, fuzz_at(to).text, &map, &opts) == NCR_OK);
+        const char *face = strcmp(c->name, "sixfiles") ? "%" : "px";
+        snprintf(to, sizeof to, "map-%s.%s", face, end);
+        const fuzz_path from = fuzz_at(to);
+        for (size_t lead = 0; lead <= k + 1; lead += k + 1) {
+            snprintf(to, sizeof to, "map/%zu-%zu.%s", k, lead, end);
+            put_led(from.text, lead, in(corpus, to).text);
+        }
+        ncr_directional_map_dispose(NULL, &map);
+    }
+}
+
+/* A bake cut short after some tiles: its journal and its radiance. */
+static void write_journal(const char *corpus)
+{
+    small_bake bake;
+    small_bake_init(&bake, 7);
+    const fuzz_path path = fuzz_at("cut.field");
+    small_bake_suspend(&bake, path.text, small_tile_count / 2);
+    for (size_t k = 0; k < small_partial_count; k++) {
+        char from[64], to[64];
+        snprintf(from, sizeof from, "cut.field.partial/%s", small_partial[k]);
+        snprintf(to, sizeof to, "journal/%s", small_partial[k]);
+        put_led(fuzz_at(from).text, k, in(corpus, to).text);
+    }
+    small_bake_dispose(&bake);
 }
 
 int main(int argc, char **argv)
@@ -124,5 +172,7 @@ int main(int argc, char **argv)
     write_hdr_texts(argv[1]);
     write_exr_samples(argv[1]);
     write_field_files(argv[1]);
+    write_maps(argv[1]);
+    write_journal(argv[1]);
     return 0;
 }
