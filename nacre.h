@@ -47,6 +47,7 @@
 #include "shading/material.h"
 #include "shading/method.h"
 #include "shading/orientation_chart.h"
+#include "shading/paraboloid_filter.h"
 #include "shading/plan.h"
 #include "shading/prefilter.h"
 #include "shading/rsibr.h"

@@ -29,6 +29,21 @@ static ncr_status paint_sky(const app *a, const ncr_sky *sky, ncr_directional_ma
     return status == NCR_OK ? ncr_distant_fill_sky(&a->ctx, sky, map) : status;
 }
 
+static ncr_status filter_word(const app *a, const char *word, ncr_distant_filter *out)
+{
+    static const char *const words[] = {"exact", "hierarchical", "two-radii"};
+    *out = NCR_DISTANT_EXACT;
+    for (int k = 0; word && k < 3; k++)
+        if (!strcmp(word, words[k])) {
+            *out = (ncr_distant_filter)k;
+            return NCR_OK;
+        }
+    if (!word)
+        return NCR_OK;
+    return ncr_fail(&a->ctx, NCR_E_ARG, "--filter %s: did you mean %s?", word,
+                    ncr_nearest_word(word, 3, words));
+}
+
 bool far_light_is_probe(const far_light_options *o)
 {
     return o->env && !strcmp(o->env, "probe");
@@ -56,20 +71,21 @@ ncr_status far_light_open(const app *a, const far_light_options *o, const ncr_sk
 {
     *out = (far_light){0};
     if (!any_reads(count, methods)) {
-        const char *asked = o->env ? "--env" : o->lobe ? "--lobe" : NULL;
+        const char *asked = o->env ? "--env" : o->lobe ? "--lobe" : o->filter ? "--filter" : NULL;
         if (!asked)
             return NCR_OK;
         return ncr_fail(&a->ctx, NCR_E_ARG, "%s: method \"%s\" does not read distant light", asked,
                         methods[0].name);
     }
     ncr_lobe lobe;
+    ncr_distant_opts opts = {.struct_size = sizeof opts, .lobe = o->lobe ? &lobe : NULL};
     ncr_status status = o->lobe ? lobe_word(a, o->lobe, &lobe) : NCR_OK;
+    if (status == NCR_OK)
+        status = filter_word(a, o->filter, &opts.filter);
     if (status == NCR_OK)
         status = make_map(a, o, sky, probe, &out->map);
     if (status == NCR_OK)
-        status = ncr_distant_create(&a->ctx, &out->map, count, methods,
-                                    NCR_OPTS(ncr_distant_opts, .lobe = o->lobe ? &lobe : NULL),
-                                    &out->distant);
+        status = ncr_distant_create(&a->ctx, &out->map, count, methods, &opts, &out->distant);
     if (status != NCR_OK)
         far_light_close(a, out);
     return status;

@@ -8,10 +8,11 @@
 
 /** What the command line says about it. */
 typedef struct far_light_options {
-    const char *env;  /* a file, or "probe"; NULL: the sky */
-    const char *from; /* its convention; NULL: as the file says */
-    const char *up;   /* NULL: z */
-    const char *lobe; /* NULL: none */
+    const char *env;    /* a file, or "probe"; NULL: the sky */
+    const char *from;   /* its convention; NULL: as the file says */
+    const char *up;     /* NULL: z */
+    const char *lobe;   /* NULL: none */
+    const char *filter; /* exact, hierarchical or two-radii; NULL: exact */
 } far_light_options;
 
 typedef struct far_light {

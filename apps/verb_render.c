@@ -289,6 +289,8 @@ int verb_render(int argc, char **argv)
         {"--env-up", 0, OPTION_TEXT, &o.far.up, "AXIS", "which axis is up in MAP: z or y"},
         {"--lobe", 0, OPTION_TEXT, &o.far.lobe, "LOBE",
          "of prefiltered and fresnel: lambert, phong:N, ggx:A, beckmann:M"},
+        {"--filter", 0, OPTION_TEXT, &o.far.filter, "HOW",
+         "of a Phong lobe: exact (default), hierarchical, two-radii"},
         {"--memory", 0, OPTION_NUMBER, &o.memory, "BYTES", "keep no more of the field's light"},
         {"--camera", 0, OPTION_TEXT, &o.camera, "NAME", "a camera of the scene (default: first)"},
         {"--size", 0, OPTION_SIZE, o.size, "WxH", "image size (default: the preset's)"},

@@ -3,6 +3,7 @@
 
 #include "core/vec_internal.h"
 #include "shading/method_internal.h"
+#include "shading/paraboloid_filter.h"
 
 #include <math.h>
 
@@ -137,6 +138,30 @@ static ncr_status filter(const ncr_ctx *ctx, const ncr_directional_map *map, con
     return status;
 }
 
+/* By Heidrich's means: as a dual paraboloid map of as many rows. */
+static ncr_status filter_roughly(const ncr_ctx *ctx, const ncr_directional_map *map,
+                                 const ncr_lobe *lobe, ncr_distant_filter how,
+                                 ncr_directional_map *out)
+{
+    if (lobe->kind != NCR_LOBE_PHONG)
+        return ncr_fail(ctx, NCR_E_ARG, "only Phong lobes are filtered by kernels of few texels");
+    ncr_directional_map sharp;
+    ncr_status status =
+        ncr_directional_map_init(ctx, NCR_MAP_PARABOLOID, rows_like(map), 3, &sharp);
+    if (status == NCR_OK)
+        status = ncr_directional_map_convert(ctx, map, &sharp);
+    if (status == NCR_OK)
+        status = ncr_directional_map_init(ctx, NCR_MAP_PARABOLOID, sharp.size, 3, out);
+    if (status == NCR_OK) {
+        const ncr_paraboloid_how kernels =
+            how == NCR_DISTANT_TWO_RADII ? NCR_PARABOLOID_TWO_RADII : NCR_PARABOLOID_HIERARCHICAL;
+        status = ncr_paraboloid_filter(ctx, &sharp, lobe->parameter,
+                                       NCR_OPTS(ncr_paraboloid_filter_opts, .how = kernels), out);
+    }
+    ncr_directional_map_dispose(ctx, &sharp);
+    return status;
+}
+
 /* The union of what the methods' entries ask for. */
 static unsigned wanted(size_t count, const ncr_method *methods)
 {
@@ -162,9 +187,13 @@ ncr_status ncr_distant_create(const ncr_ctx *ctx, const ncr_directional_map *map
     if (!distant)
         return NCR_E_NOMEM;
     distant->map = map;
-    const double tolerance = opts ? opts->tolerance : 0;
-    const ncr_status status =
-        gloss || diffuse ? filter(ctx, map, gloss, diffuse, tolerance, distant) : NCR_OK;
+    ncr_status status = NCR_OK;
+    if (gloss && opts->filter != NCR_DISTANT_EXACT) {
+        status = filter_roughly(ctx, map, gloss, opts->filter, &distant->rough);
+        gloss = NULL;
+    }
+    if (status == NCR_OK && (gloss || diffuse))
+        status = filter(ctx, map, gloss, diffuse, opts ? opts->tolerance : 0, distant);
     if (status != NCR_OK) {
         ncr_distant_destroy(ctx, distant);
         return status;
@@ -177,6 +206,7 @@ void ncr_distant_destroy(const ncr_ctx *ctx, ncr_distant *distant)
 {
     if (!distant)
         return;
+    ncr_directional_map_dispose(ctx, &distant->rough);
     ncr_prefilter_grid_destroy(ctx, distant->gloss);
     ncr_prefilter_grid_destroy(ctx, distant->diffuse);
     ncr_free(ctx, distant);

@@ -11,8 +11,16 @@
 
 NCR_BEGIN
 
+/** How `prefiltered` and `fresnel` come by their filtered light. */
+typedef enum ncr_distant_filter {
+    NCR_DISTANT_EXACT = 0,    /* prefilter.h */
+    NCR_DISTANT_HIERARCHICAL, /* paraboloid_filter.h: Phong lobes only */
+    NCR_DISTANT_TWO_RADII,
+} ncr_distant_filter;
+
 typedef struct ncr_distant_opts {
     size_t struct_size;
+    ncr_distant_filter filter;
     const ncr_lobe *lobe; /* what `prefiltered` reflects with, and `fresnel` instead of a mirror;
                              NULL: none */
     double tolerance;     /* of the filters, see ncr_lobe_band_limit; 0: 1e-5 */

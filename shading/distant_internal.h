@@ -9,6 +9,7 @@
 struct ncr_distant {
     const ncr_directional_map *map;
     ncr_prefilter_grid *gloss, *diffuse; /* NULL: nobody reads it */
+    ncr_directional_map rough;           /* in place of gloss; size 0: not there */
 };
 
 #endif

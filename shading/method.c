@@ -213,7 +213,7 @@ static ncr_status check_distant(const ncr_ctx *ctx, const ncr_method *method,
     const unsigned needs = method->entry->needs;
     if (!in->distant)
         return ncr_fail(ctx, NCR_E_ARG, "method \"%s\" needs distant light", method->name);
-    if (needs & NCR_NEEDS_GLOSS && !in->distant->gloss)
+    if (needs & NCR_NEEDS_GLOSS && !in->distant->gloss && !in->distant->rough.size)
         return ncr_fail(ctx, NCR_E_ARG, "method \"%s\" needs a lobe", method->name);
     if (needs & NCR_NEEDS_DIFFUSE && !in->distant->diffuse)
         return ncr_fail(ctx, NCR_E_ARG, "distant light was not made ready for method \"%s\"",

@@ -20,19 +20,24 @@ static void sample_grid(const ncr_prefilter_grid *grid, const ncr_rows *directio
     stats->lookups += run->count;
 }
 
+static void sample_map(const ncr_directional_map *map, ncr_run *run, ncr_shade_stats *stats)
+{
+    for (size_t k = 0; k < run->count; k++) {
+        double d[3];
+        float rgb[3];
+        v_to_d(ncr_rows_get(&run->r, k), d);
+        ncr_directional_map_look_up(map, d, rgb);
+        ncr_rows_set(&run->rgb, k, (ncr_vec3){rgb[0], rgb[1], rgb[2]});
+    }
+    stats->lookups += run->count;
+}
+
 /* L = L(r) */
 void ncr_reflect_mirror(const ncr_shade_job *job, const ncr_method *method, ncr_run *run,
                         ncr_shade_stats *stats)
 {
     (void)method;
-    for (size_t k = 0; k < run->count; k++) {
-        double d[3];
-        float rgb[3];
-        v_to_d(ncr_rows_get(&run->r, k), d);
-        ncr_directional_map_look_up(job->in->distant->map, d, rgb);
-        ncr_rows_set(&run->rgb, k, (ncr_vec3){rgb[0], rgb[1], rgb[2]});
-    }
-    stats->lookups += run->count;
+    sample_map(job->in->distant->map, run, stats);
 }
 
 /* L = int k(r.l) L(l) dl / int k                                                     [H 16, 17] */
@@ -40,7 +45,11 @@ void ncr_reflect_prefiltered(const ncr_shade_job *job, const ncr_method *method,
                              ncr_shade_stats *stats)
 {
     (void)method;
-    sample_grid(job->in->distant->gloss, &run->r, run, stats);
+    const ncr_distant *distant = job->in->distant;
+    if (distant->gloss)
+        sample_grid(distant->gloss, &run->r, run, stats);
+    else
+        sample_map(&distant->rough, run, stats);
 }
 
 /* rho L_d(n), with the irradiance of the whole hemisphere: nothing is in its way.       [H 15] */
@@ -77,7 +86,7 @@ static void weigh(const ncr_method *method, bool rest, ncr_run *run)
 void ncr_reflect_fresnel(const ncr_shade_job *job, const ncr_method *method, ncr_run *run,
                          ncr_shade_stats *stats)
 {
-    if (job->in->distant->gloss)
+    if (job->in->distant->gloss || job->in->distant->rough.size)
         ncr_reflect_prefiltered(job, method, run, stats);
     else
         ncr_reflect_mirror(job, method, run, stats);

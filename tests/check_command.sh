@@ -103,6 +103,11 @@ done
 expect 0 "pixels" render $scene --preset quick --method lambert --term recon --object-only -o "$work/far.exr"
 expect 0 "" env --chart -o "$work/chart.exr" --size 32
 expect 0 "pixels" render $scene --preset quick --method mirror --env "$work/chart.exr" -o "$work/far.png"
+expect 0 "pixels" render $scene --preset quick --method prefiltered --lobe phong:50 --filter two-radii --object-only \
+    -o "$work/far.exr"
+expect 2 "did you mean hierarchical" render $scene --preset quick --method prefiltered --lobe phong:5 --filter hierachical \
+    -o "$work/a.png"
+expect 2 "only Phong" render $scene --preset quick --method prefiltered --lobe ggx:0.2 --filter two-radii -o "$work/a.png"
 expect 2 "needs a lobe" render $scene --preset quick --method prefiltered -o "$work/a.png"
 expect 2 "did you mean phong" render $scene --preset quick --method prefiltered --lobe fong:3 -o "$work/a.png"
 expect 2 "expected ggx:NUMBER" render $scene --preset quick --method prefiltered --lobe ggx -o "$work/a.png"
