@@ -141,11 +141,7 @@ static void shade_run(const shade_call *call, ncr_run *run, ncr_shade_stats *sta
             for (size_t k = 0; k < run->count; k++)
                 run->rgb.at[c][k] = recon.at[c][k] + call->specular[c] * run->rgb.at[c][k];
 
-    for (size_t k = 0; k < run->count; k++) {
-        float *out = call->image->data + 3 * (size_t)run->pixel[k];
-        for (int c = 0; c < 3; c++)
-            out[c] = run->rgb.at[c][k];
-    }
+    call->job.kernels->store(run, call->image->data);
 }
 
 /* First pixel from k on that is, or with `other` is not, of the object; `end` if none is. Many at
@@ -380,7 +376,8 @@ ncr_status ncr_method_shade(const ncr_ctx *ctx, const ncr_method *method, ncr_te
     if (status == NCR_OK)
         status = frame_points(ctx, inputs, &point);
     if (status == NCR_OK) {
-        call.job = (ncr_shade_job){.in = inputs,
+        call.job = (ncr_shade_job){.kernels = ncr_run_kernels_here(),
+                                   .in = inputs,
                                    .gbuffer = gbuffer,
                                    .point = (const float(*)[4])point,
                                    .horizon = (float)cos(horizon * pi / 180),

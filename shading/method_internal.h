@@ -36,15 +36,30 @@ typedef struct ncr_run {
     size_t count;
     uint32_t pixel[NCR_RUN], patch[NCR_RUN];
     float u[NCR_RUN], v[NCR_RUN];
-    ncr_rows x, n;                       /* position in frame units, unit normal toward the eye */
-    ncr_rows r;                          /* 2 n (n.v) - v */
-    const uint16_t *candidates[NCR_RUN]; /* where the sample map has them, if there is one */
+    ncr_rows x, n;           /* position in frame units, unit normal toward the eye */
+    ncr_rows r;              /* 2 n (n.v) - v */
+    uint64_t texel[NCR_RUN]; /* where the sample map has its points, if there is one */
     uint16_t point[NCR_CANDIDATES][NCR_RUN]; /* these; NCR_NO_POINT without a map */
     ncr_rows rgb;
 } ncr_run;
 
+/* What is done to every pixel whatever the method, by instruction set. All give the same bits. */
+typedef struct ncr_run_kernels {
+    /* Find texels of the sample map and start fetching them. */
+    void (*ask)(const ncr_sample_map *map, ncr_run *run);
+    void (*reflect)(ncr_run *run); /* r, from the view that stands there */
+    void (*look_up_points)(const ncr_sample_map *map, ncr_run *run);
+    uint32_t (*count_weights)(size_t count, const float (*w)[NCR_RUN]); /* that are positive */
+    void (*store)(const ncr_run *run, float *image);
+} ncr_run_kernels;
+extern const ncr_run_kernels ncr_run_plain, ncr_run_avx2, ncr_run_avx512;
+
+/* Those of this processor. */
+const ncr_run_kernels *ncr_run_kernels_here(void);
+
 /* What all runs of one call share. */
 typedef struct ncr_shade_job {
+    const ncr_run_kernels *kernels;
     const ncr_shading_inputs *in;
     const ncr_gbuffer *gbuffer;
     const float (*point)[4]; /* [point count + 1] frame units and a 0, aligned; NULL without */

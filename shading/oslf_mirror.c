@@ -62,11 +62,7 @@ static void weigh(const ncr_shade_job *job, const ncr_method *method, const ncr_
         weigh_row(job, method, fn, run, k, w, stats);
     for (size_t k = 0; !fn && k < run->count; k++)
         weigh_pixel(job, method, run, k, w, stats);
-    uint32_t lookups = 0;
-    for (int j = 0; j < NCR_CANDIDATES; j++)
-        for (size_t k = 0; k < run->count; k++)
-            lookups += w[j][k] > 0;
-    stats->lookups += lookups;
+    stats->lookups += job->kernels->count_weights(run->count, (const float(*)[NCR_RUN])w);
 }
 
 /* A pixel without any point sees the probe's environment, where there is a probe.      [S-12] */

@@ -1,76 +1,42 @@
 /* SPDX-License-Identifier: MIT */
+#include "core/cpu_internal.h"
 #include "core/vec_internal.h"
 #include "shading/blend_internal.h"
 #include "shading/method_internal.h"
 
 #include <string.h>
 
-/* Pixels from `begin` on that see the same patch. */
-static size_t same_patch(const ncr_run *run, size_t begin)
+const ncr_run_kernels *ncr_run_kernels_here(void)
 {
-    size_t end = begin + 1;
-    while (end < run->count && run->patch[end] == run->patch[begin])
-        end++;
-    return end;
+    static const ncr_run_kernels *const by_level[] = {&ncr_run_plain, &ncr_run_avx2,
+                                                      &ncr_run_avx512};
+    return by_level[ncr_cpu_level()];
 }
 
-/* ncr_sample_map_at for pixels of one patch, a row at a time: the chart is the same for all. */
-static void find_texels(const ncr_sample_map *map, ncr_run *run, size_t begin, size_t end)
-{
-    const ncr_chart *c = &map->charts[run->patch[begin]];
-    const float width = (float)c->width, height = (float)c->height;
-    const int32_t last_x = (int32_t)c->width - 1, last_y = (int32_t)c->height - 1;
-    const int32_t across = (int32_t)map->page_width;
-    const int32_t corner = (int32_t)c->y * across + (int32_t)c->x;
-    const size_t page = (size_t)c->page * map->page_width * map->page_height;
-    uint32_t texel[NCR_RUN];
-    for (size_t k = begin; k < end; k++) {
-        const int32_t i = (int32_t)(run->u[k] * width), j = (int32_t)(run->v[k] * height);
-        const int32_t x = i < last_x ? i : last_x, y = j < last_y ? j : last_y;
-        texel[k] = (uint32_t)(corner + y * across + x);
-    }
-    for (size_t k = begin; k < end; k++) {
-        run->candidates[k] = map->index + 4 * (page + texel[k]);
-        __builtin_prefetch(run->candidates[k]);
-    }
-}
-
-/* Candidates of a run: one read of four per pixel, then rows. */
-static void look_up_points(ncr_run *run)
-{
-    uint64_t four[NCR_RUN];
-    for (size_t k = 0; k < run->count; k++)
-        memcpy(&four[k], run->candidates[k], sizeof four[k]);
-    for (int j = 0; j < NCR_CANDIDATES; j++)
-        for (size_t k = 0; k < run->count; k++)
-            run->point[j][k] = (uint16_t)(four[k] >> 16 * j);
-}
-
-/* Copy a piece of one of the G-buffer's arrays, and ask for the piece below it in the image: a
- * dozen streams that each break off at the object's outline are more than processors foresee. */
-static void take(const void *from, size_t bytes, size_t row_bytes, void *to)
+/* Copy a piece of one of the G-buffer's arrays, and ask for what the next run will need of it: a
+ * dozen streams, each read a piece at a time, are more than processors foresee. */
+static void take(const void *from, size_t bytes, void *to)
 {
     memcpy(to, from, bytes);
     for (size_t k = 0; k < bytes; k += 64)
-        __builtin_prefetch((const char *)from + row_bytes + k);
+        __builtin_prefetch((const char *)from + NCR_RUN * sizeof(float) + k);
 }
 
 size_t ncr_run_add(const ncr_gbuffer *g, size_t begin, size_t end, ncr_run *run)
 {
     const size_t at = run->count, room = NCR_RUN - at;
     const size_t count = end - begin < room ? end - begin : room, bytes = count * sizeof(float);
-    const size_t below = g->width * sizeof(float);
     const float *x[3] = {g->px, g->py, g->pz}, *n[3] = {g->nx, g->ny, g->nz};
     const float *v[3] = {g->vx, g->vy, g->vz};
     for (size_t k = 0; k < count; k++)
         run->pixel[at + k] = (uint32_t)(begin + k);
-    take(g->patch + begin, bytes, below, run->patch + at);
-    take(g->u + begin, bytes, below, run->u + at);
-    take(g->v + begin, bytes, below, run->v + at);
+    take(g->patch + begin, bytes, run->patch + at);
+    take(g->u + begin, bytes, run->u + at);
+    take(g->v + begin, bytes, run->v + at);
     for (int c = 0; c < 3; c++) {
-        take(x[c] + begin, bytes, below, run->x.at[c] + at);
-        take(n[c] + begin, bytes, below, run->n.at[c] + at);
-        take(v[c] + begin, bytes, below, run->r.at[c] + at); /* the view, until it is reflected */
+        take(x[c] + begin, bytes, run->x.at[c] + at);
+        take(n[c] + begin, bytes, run->n.at[c] + at);
+        take(v[c] + begin, bytes, run->r.at[c] + at); /* the view, until it is reflected */
     }
     run->count += count;
     return count;
@@ -91,21 +57,16 @@ static void pad(ncr_run *run)
 
 void ncr_run_ask(const ncr_shade_job *job, ncr_run *run)
 {
-    for (size_t begin = 0, end; job->in->map && begin < run->count; begin = end) {
-        end = same_patch(run, begin);
-        find_texels(job->in->map, run, begin, end);
-    }
+    if (job->in->map)
+        job->kernels->ask(job->in->map, run);
 }
 
 void ncr_run_complete(const ncr_shade_job *job, ncr_run *run)
 {
     pad(run);
-    for (size_t k = 0; k < run->count; k++) {
-        const ncr_vec3 n = ncr_rows_get(&run->n, k), v = ncr_rows_get(&run->r, k);
-        ncr_rows_set(&run->r, k, v_reflect(n, v));
-    }
+    job->kernels->reflect(run);
     if (job->in->map)
-        look_up_points(run);
+        job->kernels->look_up_points(job->in->map, run);
     else
         memset(run->point, 0xff, sizeof run->point);
 }

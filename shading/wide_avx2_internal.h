@@ -146,10 +146,9 @@ static inline unsigned mask_bits(wide_mask a)
     return (unsigned)_mm256_movemask_ps(a);
 }
 
-/* Sixteen-bit numbers, widened. */
-static inline wide_int wide_int_load16(const uint16_t *at)
+static inline wide_int wide_int_load(const uint32_t *at)
 {
-    return _mm256_cvtepu16_epi32(_mm_loadu_si128((const __m128i *)(const void *)at));
+    return _mm256_loadu_si256((const __m256i *)(const void *)at);
 }
 
 static inline wide_mask wide_int_less(wide_int a, wide_int b)
@@ -157,11 +156,11 @@ static inline wide_mask wide_int_less(wide_int a, wide_int b)
     return _mm256_castsi256_ps(_mm256_cmpgt_epi32(b, a));
 }
 
-/* Four floats from each of two places, a lane each. */
-static inline wide wide_load_lanes(const float (*at)[4], const uint16_t *row)
+/* Four floats at each of two offsets in bytes, a lane each. */
+static inline wide wide_load_lanes(const char *from, const uint32_t *at)
 {
-    const __m256 a = _mm256_castps128_ps256(_mm_load_ps(at[row[0]]));
-    return _mm256_insertf128_ps(a, _mm_load_ps(at[row[4]]), 1);
+    const __m256 a = _mm256_castps128_ps256(_mm_load_ps((const void *)(from + at[0])));
+    return _mm256_insertf128_ps(a, _mm_load_ps((const void *)(from + at[4])), 1);
 }
 
 /* Turn four registers about, in each lane of four floats: rows become columns. */

@@ -146,10 +146,9 @@ static inline unsigned mask_bits(wide_mask a)
     return _cvtmask16_u32(a);
 }
 
-/* Sixteen-bit numbers, widened. */
-static inline wide_int wide_int_load16(const uint16_t *at)
+static inline wide_int wide_int_load(const uint32_t *at)
 {
-    return _mm512_cvtepu16_epi32(_mm256_loadu_si256((const __m256i *)(const void *)at));
+    return _mm512_loadu_si512(at);
 }
 
 static inline wide_mask wide_int_less(wide_int a, wide_int b)
@@ -157,13 +156,13 @@ static inline wide_mask wide_int_less(wide_int a, wide_int b)
     return _mm512_cmplt_epi32_mask(a, b);
 }
 
-/* Four floats from each of four places, a lane each. */
-static inline wide wide_load_lanes(const float (*at)[4], const uint16_t *row)
+/* Four floats at each of four offsets in bytes, a lane each. */
+static inline wide wide_load_lanes(const char *from, const uint32_t *at)
 {
-    const __m512 a = _mm512_castps128_ps512(_mm_load_ps(at[row[0]]));
-    const __m512 b = _mm512_insertf32x4(a, _mm_load_ps(at[row[4]]), 1);
-    const __m512 c = _mm512_insertf32x4(b, _mm_load_ps(at[row[8]]), 2);
-    return _mm512_insertf32x4(c, _mm_load_ps(at[row[12]]), 3);
+    const __m512 a = _mm512_castps128_ps512(_mm_load_ps((const void *)(from + at[0])));
+    const __m512 b = _mm512_insertf32x4(a, _mm_load_ps((const void *)(from + at[4])), 1);
+    const __m512 c = _mm512_insertf32x4(b, _mm_load_ps((const void *)(from + at[8])), 2);
+    return _mm512_insertf32x4(c, _mm_load_ps((const void *)(from + at[12])), 3);
 }
 
 /* Turn four registers about, in each lane of four floats: rows become columns. */
