@@ -8,7 +8,7 @@
 #include <math.h>
 #include <string.h>
 
-enum { max_channels = 8 };
+enum { max_channels = 8, moderate_tile_row = 1 << 22 /* pixels */ };
 
 /* How images of 1 to 4 channels are called, and then by number. */
 static const char *const names[][max_channels] = {
@@ -246,10 +246,36 @@ static ncr_status read_tiles(exr_image *e, const ncr_image *out)
     return status;
 }
 
+/* The C++ library holds a row of tiles, and each tile whole, however little of it is image. */
+static ncr_status check_tile_row(exr_image *e)
+{
+    uint32_t w = 0, h = 0;
+    exr_tile_level_mode_t levels;
+    exr_tile_round_mode_t rounding;
+    if (e->storage != EXR_STORAGE_TILED)
+        return NCR_OK;
+    const ncr_status status =
+        check(e, exr_get_tile_descriptor(e->stream.exr, e->part, &w, &h, &levels, &rounding));
+    const uint64_t pixels = (uint64_t)e->width * e->height;
+    const uint64_t most = pixels < moderate_tile_row ? moderate_tile_row : 4 * pixels;
+    if (status == NCR_OK && (uint64_t)(e->width > w ? e->width : w) * h > most)
+        return ncr_fail(e->stream.ctx, NCR_E_LIMIT,
+                        "%s: tiles of %u x %u are far larger than the image of %u x %u",
+                        e->stream.path, w, h, e->width, e->height);
+    return status;
+}
+
+static ncr_status read_pixels_dwa(exr_image *e, const ncr_image *out)
+{
+    const ncr_status status = check_tile_row(e);
+    return status == NCR_OK ? ncr_exr_dwa_read(e->stream.ctx, e->stream.path, e->part, e->name, out)
+                            : status;
+}
+
 static ncr_status read_pixels(exr_image *e, const ncr_image *out)
 {
     if (e->compression == EXR_COMPRESSION_DWAA || e->compression == EXR_COMPRESSION_DWAB)
-        return ncr_exr_dwa_read(e->stream.ctx, e->stream.path, e->part, e->name, out);
+        return read_pixels_dwa(e, out);
     const ncr_status status =
         e->storage == EXR_STORAGE_TILED ? read_tiles(e, out) : read_scanlines(e, out);
     if (e->decoding)
@@ -347,8 +373,22 @@ static void aim_encoder(exr_encode_pipeline_t *encoder, const ncr_image *image, 
     }
 }
 
+typedef exr_result_t pack_fn(struct _exr_encode_pipeline *encoder);
+
+/* What is stored in as many bytes as it has is read as it stands. OpenEXR 3.1 stores packed bytes
+ * when there are just as many of them: then the others must take their place. */
+static exr_result_t pack(exr_encode_pipeline_t *encoder)
+{
+    pack_fn *const *packs = encoder->encoding_user_data;
+    const exr_result_t result = (*packs)(encoder);
+    if (result == EXR_ERR_SUCCESS && encoder->compressed_bytes == encoder->packed_bytes &&
+        encoder->compressed_buffer != encoder->packed_buffer)
+        memcpy(encoder->compressed_buffer, encoder->packed_buffer, encoder->packed_bytes);
+    return result;
+}
+
 static exr_result_t encode(ncr_exr_stream *s, const ncr_image *image, uint32_t y,
-                           exr_encode_pipeline_t *encoder)
+                           exr_encode_pipeline_t *encoder, pack_fn **packs)
 {
     exr_chunk_info_t chunk;
     exr_result_t result = exr_write_scanline_chunk_info(s->exr, 0, (int)y, &chunk);
@@ -358,18 +398,23 @@ static exr_result_t encode(ncr_exr_stream *s, const ncr_image *image, uint32_t y
     if (result != EXR_ERR_SUCCESS)
         return result;
     aim_encoder(encoder, image, y);
-    if (y == 0)
+    if (y == 0) {
         result = exr_encoding_choose_default_routines(s->exr, 0, encoder);
+        *packs = encoder->compress_fn;
+        encoder->compress_fn = pack;
+        encoder->encoding_user_data = packs;
+    }
     return result == EXR_ERR_SUCCESS ? exr_encoding_run(s->exr, 0, encoder) : result;
 }
 
 static ncr_status write_scanlines(ncr_exr_stream *s, const ncr_image *image)
 {
     exr_encode_pipeline_t encoder = EXR_ENCODE_PIPELINE_INITIALIZER;
+    pack_fn *packs = NULL;
     int32_t step = 0;
     exr_result_t result = exr_get_scanlines_per_chunk(s->exr, 0, &step);
     for (uint32_t y = 0; y < image->height && result == EXR_ERR_SUCCESS; y += (uint32_t)step)
-        result = encode(s, image, y, &encoder);
+        result = encode(s, image, y, &encoder, &packs);
     const ncr_status status = ncr_exr_stream_check(s, result);
     exr_encoding_destroy(s->exr, &encoder);
     return status;

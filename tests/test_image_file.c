@@ -57,6 +57,23 @@ static void float_exr_keeps_every_bit(void **state)
     }
 }
 
+/* A chunk that zip leaves exactly as large as it was: a reader takes it for one not packed at all. */
+static void chunks_that_zip_cannot_shrink_come_back(void **state)
+{
+    (void)state;
+    check_random r = {.seed = 12};
+    const file_path p = file_at("equal.exr");
+    for (int k = 0; k < 1200; k++) {
+        ncr_image image = random_image(&r, 3, 3, 3, 40), back;
+        memset(image.data, 0, (size_t)(k % 24) * sizeof(float));
+        CHECK_STATUS(NCR_OK, ncr_image_write(ctx, p.text, &image, NULL));
+        CHECK_STATUS(NCR_OK, ncr_image_read(ctx, p.text, &back, NULL));
+        CHECK(!memcmp(image.data, back.data, value_count(&image) * sizeof(float)), "image %d", k);
+        ncr_image_dispose(ctx, &back);
+        ncr_image_dispose(ctx, &image);
+    }
+}
+
 static void the_cxx_library_reads_what_we_write(void **state)
 {
     (void)state;
@@ -578,6 +595,38 @@ static void an_oversized_exr_header_is_refused(void **state)
     free(data);
 }
 
+/* The C++ library holds a row of tiles, however little of it is image. */
+static void tiles_far_larger_than_their_image_are_refused(void **state)
+{
+    (void)state;
+    static const float data[3 * 9 * 9];
+    for (int compression = 3; compression <= 8; compression += 5) {
+        const file_path p = file_at("tiles.exr");
+        const exr_sample s = {.width = 9,
+                              .height = 9,
+                              .compression = compression,
+                              .type = EXR_SAMPLE_FLOAT,
+                              .tile = 8,
+                              .channels = "RGB",
+                              .data = data};
+        assert_int_equal(exr_sample_write(p.text, &s), 0);
+        size_t size, at = 0;
+        uint8_t *bytes = file_get(p.text, &size);
+        while (memcmp(bytes + at, "tiles\0tiledesc", 15))
+            at++;
+        const uint32_t sides[2] = {64, 1 << 24};
+        memcpy(bytes + at + 19, sides, sizeof sides);
+        ncr_image back;
+        const ncr_status got = read_bytes("tiles2.exr", bytes, size, &back);
+        assert_null(back.data);
+        CHECK(got == NCR_E_LIMIT || got == NCR_E_FORMAT, "%s: %s", ncr_status_name(got),
+              files_report);
+        if (compression == 8)
+            assert_non_null(strstr(files_report, "tiles of 64 x 16777216"));
+        free(bytes);
+    }
+}
+
 static void formats_are_known_by_their_bytes(void **state)
 {
     (void)state;
@@ -750,6 +799,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(float_exr_keeps_every_bit),
+        cmocka_unit_test(chunks_that_zip_cannot_shrink_come_back),
         cmocka_unit_test(the_cxx_library_reads_what_we_write),
         cmocka_unit_test(half_exr_rounds_to_nearest),
         cmocka_unit_test(nonfinite_values_are_counted_and_zeroed),
@@ -769,6 +819,7 @@ int main(void)
         cmocka_unit_test(png_of_8_bits_is_no_raw_words),
         cmocka_unit_test(an_oversized_png_header_is_refused),
         cmocka_unit_test(an_oversized_exr_header_is_refused),
+        cmocka_unit_test(tiles_far_larger_than_their_image_are_refused),
         cmocka_unit_test(formats_are_known_by_their_bytes),
         cmocka_unit_test(a_wrong_call_writes_nothing),
         cmocka_unit_test(a_failed_write_leaves_the_earlier_file),
