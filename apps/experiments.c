@@ -1,6 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-#include "apps/experiments.h"
-
+#include "apps/experiment_runs.h"
 #include "apps/figures.h"
 
 #include <stdio.h>
@@ -25,81 +24,27 @@ const char *experiment_name(size_t k)
     return k < sizeof names / sizeof names[0] ? names[k] : NULL;
 }
 
-/* Table 6.2's rows, and the two that others use. */
-static const char *const mirror_methods[] = {
-    "trace",   "envmap",     "proxy",      "distance",   "angle",
-    "average", "cosine-r:1", "cosine-r:4", "cosine-r:8", "cosine-r:16",
-    "abs-r:4", "cosine-n:1", "cosine-n:4", "cosine-n:8", "cosine-n:16",
+/* Table 6.2's rows, and the three that others use; `group` begins a row of pictures. */
+static const struct {
+    const char *method, *group;
+} mirror_methods[] = {
+    {"trace", "One map for the whole object"},
+    {"envmap", NULL},
+    {"proxy", NULL},
+    {"distance", "The closest point, the best aligned one, the mean of four (Figures 4.1 to 4.3)"},
+    {"angle", NULL},
+    {"average", NULL},
+    {"cosine-r:1", "Blended about the mirror direction (Figure 4.5)"},
+    {"cosine-r:4", NULL},
+    {"cosine-r:8", NULL},
+    {"cosine-r:16", NULL},
+    {"cosine-n:1", "Blended about the normal (Figure 4.6)"},
+    {"cosine-n:4", NULL},
+    {"cosine-n:8", NULL},
+    {"cosine-n:16", NULL},
+    {"abs-r:4", "The blend about the mirror direction as it is printed, points behind it included"},
 };
 enum { mirror_count = sizeof mirror_methods / sizeof mirror_methods[0] };
-
-/* Methods that read one map at the object's centre, whatever the field is. */
-static bool one_map(const char *method)
-{
-    return !strcmp(method, "envmap") || !strcmp(method, "proxy");
-}
-
-static ncr_status add_row(experiments *x, const char *experiment, const char *method,
-                          const lab_field *f, const lab_result *r)
-{
-    report_row row = {.placement = "grid", .error = r->error};
-    snprintf(row.experiment, sizeof row.experiment, "%s", experiment);
-    snprintf(row.method, sizeof row.method, "%s", method);
-    if (f && strcmp(method, "trace")) {
-        row.cube = f->cube;
-        row.epsilon = f->epsilon;
-        row.points = (uint32_t)f->baked.points.count;
-        row.bytes = ncr_lightfield_bytes(one_map(method) ? f->probe_light : f->light);
-    }
-    row.seconds = r->stats.seconds;
-    row.lookups = r->stats.lookups;
-    row.rays = r->stats.rays;
-    return report_table_add(x->table, &row);
-}
-
-/* What a caption says of one picture. */
-typedef struct caption {
-    const char *name, *alt;
-} caption;
-
-static ncr_status show(experiments *x, report_section section, caption words, ncr_term term,
-                       const lab_result *r)
-{
-    return report_page_compare(x->page, section,
-                               &(report_comparison){.name = words.name,
-                                                    .alt = words.alt,
-                                                    .reference = &x->l->reference[term],
-                                                    .image = &r->image,
-                                                    .mask = x->l->mask,
-                                                    .exposure = x->l->exposure,
-                                                    .error = &r->error,
-                                                    .seconds = r->stats.seconds});
-}
-
-static ncr_status show_reference(experiments *x, report_section section, ncr_term term,
-                                 const char *alt)
-{
-    return report_page_reference(x->page, section, "ray trace", alt, &x->l->reference[term],
-                                 x->l->exposure, x->l->traced[term].seconds);
-}
-
-/* Measure one request, add its row, and show it when `words` has a name. */
-static ncr_status measure(experiments *x, const char *experiment, const char *label,
-                          const lab_request *q, report_section section, caption words)
-{
-    lab_result r;
-    ncr_status status = lab_measure(x->l, q, x->repeats, &r);
-    if (status != NCR_OK)
-        return status;
-    if (experiment)
-        status = add_row(x, experiment, label, q->field, &r);
-    if (status == NCR_OK && words.name)
-        status = show(x, section, words, q->term, &r);
-    lab_result_close(x->l, &r);
-    return status;
-}
-
-static const caption not_shown = {NULL, NULL};
 
 /* --- the experiments ------------------------------------------------------------------------ */
 
@@ -111,22 +56,25 @@ static ncr_status full_pictures(experiments *x, const lab_field *f)
     } pictures[] = {
         {"cosine-n:4",
          "nearest",
-         {"offset surface light field", "the teapot shaded from its field"}},
+         {"offset surface light field", "the object shaded from its field"}},
         {"envmap",
          "trace",
-         {"environment map", "the teapot with an environment map's reflections"}},
+         {"environment map", "the object with an environment map's reflections"}},
     };
     report_page_row_begin(x->page, REPORT_PICTURES);
     ncr_status status =
-        show_reference(x, REPORT_PICTURES, NCR_TERM_FULL, "the teapot in the gazebo, ray traced");
+        run_show_reference(x, REPORT_PICTURES, NCR_TERM_FULL, "the scene, ray traced");
     for (size_t k = 0; status == NCR_OK && k < sizeof pictures / sizeof pictures[0]; k++) {
         const lab_request q = {.method = pictures[k].method,
                                .recon = pictures[k].recon,
                                .term = NCR_TERM_FULL,
                                .field = f};
-        status = measure(x, NULL, NULL, &q, REPORT_PICTURES, pictures[k].words);
+        status = run_measure(x, NULL, NULL, &q, REPORT_PICTURES, pictures[k].words);
     }
-    report_page_row_end(x->page, REPORT_PICTURES, NULL);
+    report_page_row_end(
+        x->page, REPORT_PICTURES,
+        "The surface and its reflection together (Figure 6.3). Point at a picture to see "
+        "the reference in its place.");
     return status;
 }
 
@@ -136,34 +84,56 @@ static ncr_status reconstruction(experiments *x, const lab_field *f, bool show_p
     ncr_status status = NCR_OK;
     if (show_pictures) {
         report_page_heading(x->page, REPORT_FIGURES,
-                            "Reconstruction: the surface read from its field");
-        status = show_reference(x, REPORT_FIGURES, NCR_TERM_RECON, "the teapot without reflection");
+                            "Reconstruction: the surface read from its field (Figure 6.1)");
+        report_page_row_begin(x->page, REPORT_FIGURES);
+        status =
+            run_show_reference(x, REPORT_FIGURES, NCR_TERM_RECON, "the object without reflection");
     }
     for (size_t k = 0; status == NCR_OK && k < 2; k++) {
         const lab_request q = {.method = methods[k], .term = NCR_TERM_RECON, .field = f};
-        const caption words = {methods[k], "the teapot reconstructed from captured light"};
-        status = measure(x, "reconstruction", methods[k], &q, REPORT_FIGURES,
-                         show_pictures ? words : not_shown);
+        const caption words = {methods[k], "the object reconstructed from captured light"};
+        status = run_measure(x, "reconstruction", methods[k], &q, REPORT_FIGURES,
+                             show_pictures ? words : not_shown);
     }
+    if (show_pictures)
+        report_page_row_end(x->page, REPORT_FIGURES, NULL);
     return status;
+}
+
+/* The pictures of a group stand in a row; the first one's opens with the reference. */
+static ncr_status begin_group(experiments *x, size_t k)
+{
+    report_page *page = x->page;
+    if (k)
+        report_page_row_end(page, REPORT_FIGURES, NULL);
+    if (!strcmp(mirror_methods[k].method, "distance")) {
+        report_page_subheading(page, REPORT_FIGURES, "The directions (Figure 4.4)");
+        report_page_geometry(page, REPORT_FIGURES);
+    }
+    report_page_subheading(page, REPORT_FIGURES, mirror_methods[k].group);
+    report_page_row_begin(page, REPORT_FIGURES);
+    return k ? NCR_OK
+             : run_show_reference(x, REPORT_FIGURES, NCR_TERM_REFLECT, "the reflection alone");
 }
 
 static ncr_status mirror(experiments *x, const lab_field *f, bool show_pictures)
 {
     ncr_status status = NCR_OK;
-    if (show_pictures) {
+    if (show_pictures)
         report_page_heading(x->page, REPORT_FIGURES, "Mirror reflections, method by method");
-        status = show_reference(x, REPORT_FIGURES, NCR_TERM_REFLECT, "the reflection alone");
-    }
     for (size_t k = 0; status == NCR_OK && k < mirror_count; k++) {
-        const lab_request q = {.method = mirror_methods[k], .term = NCR_TERM_REFLECT, .field = f};
-        const caption words = {mirror_methods[k], "the reflection alone, by this method"};
-        const bool traced = !strcmp(mirror_methods[k], "trace");
-        if (traced && !show_pictures)
-            continue; /* once is enough: it does not depend on the cube */
-        status = measure(x, "mirror", mirror_methods[k], &q, REPORT_FIGURES,
-                         show_pictures && !traced ? words : not_shown);
+        const char *method = mirror_methods[k].method;
+        const lab_request q = {.method = method, .term = NCR_TERM_REFLECT, .field = f};
+        const caption words = {method, "the reflection alone, by this method"};
+        const bool traced = !strcmp(method, "trace");
+        if (show_pictures && mirror_methods[k].group)
+            status = begin_group(x, k);
+        if (status == NCR_OK && (show_pictures || !traced)) /* it does not depend on the cube */
+            status = run_measure(x, "mirror", method, &q, REPORT_FIGURES,
+                                 show_pictures && !traced ? words : not_shown);
     }
+    if (show_pictures)
+        report_page_row_end(x->page, REPORT_FIGURES, NULL);
     return status;
 }
 
@@ -179,7 +149,7 @@ static ncr_status epsilon(experiments *x, const lab_field *f)
     ncr_status status = NCR_OK;
     for (size_t k = 0; status == NCR_OK && k < sizeof rows / sizeof rows[0]; k++) {
         const lab_request q = {.method = rows[k].method, .term = rows[k].term, .field = f};
-        status = measure(x, "epsilon", rows[k].method, &q, REPORT_FIGURES, not_shown);
+        status = run_measure(x, "epsilon", rows[k].method, &q, REPORT_FIGURES, not_shown);
     }
     return status;
 }
@@ -190,41 +160,55 @@ static ncr_status horizon(experiments *x, const lab_field *f)
     const lab_request with = {.method = "nearest", .term = NCR_TERM_RECON, .field = f};
     lab_request without = with;
     without.horizon_off = true;
-    report_page_heading(x->page, REPORT_FIGURES, "With and without the 65 degree rule");
+    report_page_heading(x->page, REPORT_FIGURES,
+                        "With and without the 65 degree rule (Figure 6.1)");
+    report_page_row_begin(x->page, REPORT_FIGURES);
     ncr_status status =
-        show_reference(x, REPORT_FIGURES, NCR_TERM_RECON, "the teapot without reflection");
+        run_show_reference(x, REPORT_FIGURES, NCR_TERM_RECON, "the object without reflection");
     if (status == NCR_OK)
-        status = measure(x, "horizon", "nearest", &with, REPORT_FIGURES,
-                         (caption){"with the rule", "reconstruction with the 65 degree rule"});
+        status = run_measure(x, "horizon", "nearest", &with, REPORT_FIGURES,
+                             (caption){"with the rule", "reconstruction with the 65 degree rule"});
     if (status == NCR_OK)
-        status = measure(x, "horizon", "nearest, rule off", &without, REPORT_FIGURES,
-                         (caption){"without it", "reconstruction without the 65 degree rule"});
+        status = run_measure(x, "horizon", "nearest, rule off", &without, REPORT_FIGURES,
+                             (caption){"without it", "reconstruction without the 65 degree rule"});
+    report_page_row_end(x->page, REPORT_FIGURES, NULL);
+    return status;
+}
+
+static ncr_status occlusion_rows(experiments *x, const lab_field *f, const char *state)
+{
+    static const struct {
+        const char *method;
+        ncr_term term;
+    } rows[] = {{"nearest", NCR_TERM_RECON},
+                {"distance", NCR_TERM_REFLECT},
+                {"cosine-n:4", NCR_TERM_REFLECT}};
+    ncr_status status = NCR_OK;
+    for (size_t k = 0; status == NCR_OK && k < sizeof rows / sizeof rows[0]; k++) {
+        const lab_request q = {.method = rows[k].method, .term = rows[k].term, .field = f};
+        char label[48];
+        snprintf(label, sizeof label, "%s, test %s", rows[k].method, state);
+        status = run_measure(x, "occlusion", label, &q, REPORT_FIGURES, not_shown);
+    }
     return status;
 }
 
 /* The same light read through maps whose points are all in plain sight of their texels. */
 static ncr_status occlusion(experiments *x, lab_field *f)
 {
-    static const struct {
-        const char *method, *label;
-        ncr_term term;
-    } rows[] = {{"nearest", "nearest, occlusion on", NCR_TERM_RECON},
-                {"distance", "distance, occlusion on", NCR_TERM_REFLECT},
-                {"cosine-n:4", "cosine-n:4, occlusion on", NCR_TERM_REFLECT}};
     const ncr_ctx *ctx = &x->l->a->ctx;
     const ncr_sample_map_opts opts = {
         .struct_size = sizeof opts, .resolution = x->l->s.preset->map, .occlusion = true};
     ncr_sample_map map;
     ncr_sample_map_stats cost;
-    ncr_status status = ncr_sample_map_build(ctx, x->l->s.world->scene, x->l->s.object,
-                                             &f->baked.points, &opts, &map, NULL, &cost);
+    ncr_status status = occlusion_rows(x, f, "off");
+    if (status == NCR_OK)
+        status = ncr_sample_map_build(ctx, x->l->s.world->scene, x->l->s.object, &f->baked.points,
+                                      &opts, &map, NULL, &cost);
     if (status != NCR_OK)
         return status;
     f->map = &map;
-    for (size_t k = 0; status == NCR_OK && k < sizeof rows / sizeof rows[0]; k++) {
-        const lab_request q = {.method = rows[k].method, .term = rows[k].term, .field = f};
-        status = measure(x, "occlusion", rows[k].label, &q, REPORT_FIGURES, not_shown);
-    }
+    status = occlusion_rows(x, f, "on");
     f->map = &f->baked.map;
     report_page_fact(x->page, REPORT_TIMINGS, "occlusion rays for the maps", "%llu",
                      (unsigned long long)cost.rays);
@@ -245,14 +229,16 @@ static ncr_status registration(experiments *x, const lab_field *f)
     lab_request unrefined = refined, mirrored = refined;
     unrefined.gbuffer = &raw.gbuffer;
     mirrored = (lab_request){.method = "trace", .term = NCR_TERM_REFLECT, .gbuffer = &raw.gbuffer};
-    figures_registration(x, &raw.gbuffer);
-    status = measure(x, "registration", "nearest", &refined, REPORT_FIGURES, not_shown);
+    status = figures_registration(x, &raw.gbuffer);
     if (status == NCR_OK)
-        status = measure(x, "registration", "nearest, triangle hits", &unrefined, REPORT_FIGURES,
-                         not_shown);
+        status = run_measure(x, "registration", "nearest, refined hits", &refined, REPORT_FIGURES,
+                             not_shown);
     if (status == NCR_OK)
-        status = measure(x, "registration", "trace, triangle hits", &mirrored, REPORT_FIGURES,
-                         not_shown);
+        status = run_measure(x, "registration", "nearest, triangle hits", &unrefined,
+                             REPORT_FIGURES, not_shown);
+    if (status == NCR_OK)
+        status = run_measure(x, "registration", "trace, triangle hits", &mirrored, REPORT_FIGURES,
+                             not_shown);
     view_close(l->a, &raw);
     return status;
 }
@@ -270,7 +256,7 @@ static ncr_status recursion(experiments *x)
                                .against = &full.image};
         char label[48];
         snprintf(label, sizeof label, "trace, %u bounce%s against 5", depth, depth > 1 ? "s" : "");
-        status = measure(x, "recursion", label, &q, REPORT_FIGURES, not_shown);
+        status = run_measure(x, "recursion", label, &q, REPORT_FIGURES, not_shown);
     }
     lab_result_close(x->l, &full);
     return status;

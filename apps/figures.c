@@ -2,6 +2,7 @@
 #include "apps/figures.h"
 
 #include "apps/picture.h"
+#include "core/vec_internal.h"
 #include "sampling/false_color.h"
 
 #include <math.h>
@@ -85,6 +86,31 @@ static ncr_status false_colour_figure(experiments *x, const lab_field *f)
     return status;
 }
 
+enum { atlas_side = 512 }; /* pixels at most */
+
+/* Figure 3.5 unrolled: the same indices chart by chart, as the maps are stored. */
+static ncr_status atlas_figure(experiments *x, const lab_field *f)
+{
+    const ncr_sample_map *map = f->map;
+    uint32_t step = 1;
+    while (map->page_width / step > atlas_side || map->page_height / step > atlas_side)
+        step *= 2;
+    const uint32_t w = map->page_width / step, h = map->page_height / step;
+    uint8_t *rgb = ncr_alloc(&x->l->a->ctx, (size_t)w * h * 3);
+    if (!rgb)
+        return NCR_E_NOMEM;
+    for (uint32_t j = 0; j < h; j++)
+        for (uint32_t i = 0; i < w; i++) {
+            const size_t texel = (size_t)j * step * map->page_width + (size_t)i * step;
+            ncr_false_color(map->index[4 * texel], rgb + 3 * ((size_t)j * w + i));
+        }
+    const ncr_status status = report_page_rgb8(
+        x->page, REPORT_FIGURES, "The same maps as they are stored, patch by patch",
+        "square charts, each a mosaic of false colours", w, h, rgb);
+    ncr_free(&x->l->a->ctx, rgb);
+    return status;
+}
+
 /* Figure 3.4: a captured cube, unfolded as a cross. */
 static ncr_status cube_figure(experiments *x, const lab_field *f)
 {
@@ -132,11 +158,13 @@ static ncr_status points_figure(experiments *x, const lab_field *f)
 
 ncr_status figures_of_field(experiments *x, const lab_field *f)
 {
-    report_page_heading(x->page, REPORT_FIGURES, "Inside the field");
+    report_page_heading(x->page, REPORT_FIGURES, "Inside the field (Figures 3.3 to 3.5)");
     report_page_row_begin(x->page, REPORT_FIGURES);
     ncr_status status = points_figure(x, f);
     if (status == NCR_OK)
         status = false_colour_figure(x, f);
+    if (status == NCR_OK)
+        status = atlas_figure(x, f);
     if (status == NCR_OK)
         status = cube_figure(x, f);
     report_page_row_end(x->page, REPORT_FIGURES, NULL);
@@ -169,7 +197,7 @@ ncr_status figures_of_views(experiments *x)
 {
     const ncr_scene_file *file = x->l->s.file;
     ncr_status status = NCR_OK;
-    report_page_heading(x->page, REPORT_FIGURES, "The scene from its cameras");
+    report_page_heading(x->page, REPORT_FIGURES, "The scene from its cameras (Figure 3.2)");
     report_page_row_begin(x->page, REPORT_FIGURES);
     for (size_t k = 0; status == NCR_OK && k < ncr_scene_file_camera_count(file); k++)
         status = view_figure(x, ncr_scene_file_camera(file, k));
@@ -177,28 +205,64 @@ ncr_status figures_of_views(experiments *x)
     return status;
 }
 
-void figures_registration(experiments *x, const ncr_gbuffer *raw)
+/* How far a pixel's ray passes from the patch at the (u,v) that the pixel was given. */
+static double registration_error(const lab *l, const ncr_gbuffer *g, const double eye[3], size_t k)
+{
+    const ncr_surface *surface = ncr_scene_object_surface(l->s.world->scene, g->object[k]);
+    ncr_surface_point at;
+    double d[3], to[3], cross[3];
+    ncr_surface_eval(surface, g->patch[k], (double)g->u[k], (double)g->v[k], &at);
+    ncr_camera_ray(l->v.camera, g->width, g->height, (double)(k % g->width) + 0.5,
+                   (double)(k / g->width) + 0.5, d);
+    d_sub(at.p, eye, to);
+    d_cross(d, to, cross);
+    return ncr_frame_length_to_model(ncr_scene_frame(l->s.world->scene), d_length(cross));
+}
+
+/* Of all pixels of the object: into channel 0 of the map, with mean and largest as a fact. */
+static void measure_registration(experiments *x, const ncr_gbuffer *g, const char *name,
+                                 ncr_image *map, double *mean)
 {
     const lab *l = x->l;
-    const ncr_gbuffer *exact = &l->v.gbuffer;
-    const ncr_frame *frame = ncr_scene_frame(l->s.world->scene);
-    const size_t pixels = (size_t)exact->width * exact->height;
     ncr_sum sum = {0};
-    double largest = 0;
+    double eye[3], largest = 0;
     size_t count = 0;
-    for (size_t k = 0; k < pixels; k++) {
-        if (!l->mask[k] || raw->object[k] != exact->object[k])
+    ncr_frame_from_model(ncr_scene_frame(l->s.world->scene), l->v.camera->eye, eye);
+    for (size_t k = 0; k < (size_t)g->width * g->height; k++) {
+        map->data[k] = 0;
+        if (!l->mask[k] || g->object[k] != l->s.object)
             continue;
-        const double gap[3] = {(double)raw->px[k] - (double)exact->px[k],
-                               (double)raw->py[k] - (double)exact->py[k],
-                               (double)raw->pz[k] - (double)exact->pz[k]};
-        const double distance = ncr_frame_length_to_model(
-            frame, sqrt(gap[0] * gap[0] + gap[1] * gap[1] + gap[2] * gap[2]));
-        ncr_sum_add(&sum, distance);
-        largest = fmax(largest, distance);
+        const double error = registration_error(l, g, eye, k);
+        map->data[k] = (float)error;
+        ncr_sum_add(&sum, error);
+        largest = fmax(largest, error);
         count++;
     }
-    report_page_fact(x->page, REPORT_TIMINGS, "registration error of triangle hits",
-                     "mean %.2g, largest %.2g model units over %zu pixels; zero once refined",
-                     count ? ncr_sum_value(&sum) / (double)count : 0, largest, count);
+    *mean = count ? ncr_sum_value(&sum) / (double)count : 0;
+    report_page_fact(x->page, REPORT_TIMINGS, name,
+                     "mean %.2g, largest %.2g model units over %zu pixels", *mean, largest, count);
+}
+
+ncr_status figures_registration(experiments *x, const ncr_gbuffer *raw)
+{
+    static const char *const alt = "a map of distances, brightest where patch and ray part most";
+    const ncr_gbuffer *exact = &x->l->v.gbuffer;
+    ncr_image map;
+    double mean[2] = {0};
+    ncr_status status = ncr_image_init(&x->l->a->ctx, raw->width, raw->height, 1, &map);
+    if (status != NCR_OK)
+        return status;
+    report_page_heading(x->page, REPORT_FIGURES, "How far patch and ray are apart");
+    report_page_row_begin(x->page, REPORT_FIGURES);
+    measure_registration(x, raw, "registration error, triangle hits", &map, &mean[0]);
+    const double scale = mean[0] > 0 ? 4 * mean[0] : 1;
+    status = report_page_map(x->page, REPORT_FIGURES, "Hits left on the triangles", alt, &map, 0,
+                             scale, "model units");
+    measure_registration(x, exact, "registration error, refined hits", &map, &mean[1]);
+    if (status == NCR_OK)
+        status = report_page_map(x->page, REPORT_FIGURES, "Hits refined on the patch", alt, &map, 0,
+                                 scale, "model units");
+    report_page_row_end(x->page, REPORT_FIGURES, NULL);
+    ncr_image_dispose(&x->l->a->ctx, &map);
+    return status;
 }

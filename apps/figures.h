@@ -11,7 +11,8 @@ ncr_status figures_of_views(experiments *x);
 /** Points on the surface, false-colour maps, one captured cube.         [T fig 3.3 to 3.5] */
 ncr_status figures_of_field(experiments *x, const lab_field *f);
 
-/** How far the triangles' own hit points are from the refined ones, as a line of facts. [T 6.2] */
-void figures_registration(experiments *x, const ncr_gbuffer *raw);
+/** How far the patch is from each pixel's ray at the (u,v) of triangle hits, and of refined ones:
+ *  two maps, and the figures as facts.                                                  [T 6.2] */
+ncr_status figures_registration(experiments *x, const ncr_gbuffer *raw);
 
 #endif

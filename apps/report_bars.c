@@ -5,7 +5,7 @@
 #include <math.h>
 #include <stdlib.h>
 
-enum { colours = 8, row_height = 24, left = 150, right = 545, width = 620 };
+enum { colours = 8, row_height = 24, left = 196, right = 556, width = 620 };
 
 static int by_value(const void *a, const void *b)
 {

@@ -2,6 +2,7 @@
 #include "apps/report_html_internal.h"
 #include "apps/report_page.h"
 #include "apps/report_plot.h"
+#include "apps/report_words.h"
 
 #include <math.h>
 #include <string.h>
@@ -23,7 +24,9 @@ static void put_method_note(text *out)
         "L* from 0 to 100. A jump is the largest step between neighbouring pixels that the "
         "reference does not make: a seam. FLIP is the mean of HDR-FLIP. The least error of a "
         "column is set in bold. The thesis does not state the scale of its CIELAB columns, which "
-        "cannot be the standard one, so only ratios stand beside its own.</p>\n");
+        "cannot be the standard one, so only ratios stand beside its own. Numbers of tables and "
+        "figures in "
+        "brackets are the thesis's.</p>\n");
 }
 
 static void put_plot(const report_table *table, const char *experiment, const char *title,
@@ -62,7 +65,7 @@ ncr_status report_put_plots(const report_table *table, text *out)
         if (!worth_plotting(table, name))
             continue;
         text_put(out, "<h3>");
-        text_escaped(out, name);
+        text_escaped(out, report_words_title(name));
         text_put(out, "</h3>\n<div class=\"plots\">\n");
         put_plot(table, name, "Error of lightness against run time", report_plot_scatter,
                  REPORT_LIGHTNESS, &status, out);

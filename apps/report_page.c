@@ -36,6 +36,11 @@ void report_page_heading(report_page *page, report_section section, const char *
     put_element(&page->sections[section], "h3", words);
 }
 
+void report_page_subheading(report_page *page, report_section section, const char *words)
+{
+    put_element(&page->sections[section], "h4", words);
+}
+
 void report_page_say(report_page *page, report_section section, const char *format, ...)
 {
     char words[2048];

@@ -39,8 +39,9 @@ void report_page_init(const ncr_ctx *ctx, const report_table *table, const char 
                       report_page *out);
 void report_page_dispose(report_page *page);
 
-/** A heading within a section, and a paragraph. Plain text; escaped. */
+/** A heading within a section, one below it, and a paragraph. Plain text; escaped. */
 void report_page_heading(report_page *page, report_section section, const char *words);
+void report_page_subheading(report_page *page, report_section section, const char *words);
 void report_page_say(report_page *page, report_section section, const char *format, ...)
     __attribute__((format(printf, 3, 4)));
 
@@ -83,6 +84,9 @@ typedef struct report_comparison {
 /** Pointing at the image shows the reference in its place. NCR_E_ARG, NCR_E_NOMEM, NCR_E_BACKEND. */
 ncr_status report_page_compare(report_page *page, report_section section,
                                const report_comparison *comparison);
+
+/** A drawing of the directions that the methods are made of.                       [T fig 4.4] */
+void report_page_geometry(report_page *page, report_section section);
 
 /** The whole page. NCR_E_NOMEM when this or anything pushed before ran out of memory. */
 ncr_status report_html(const report_page *page, text *out);

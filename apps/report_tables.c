@@ -2,6 +2,7 @@
 #include "apps/report_html_internal.h"
 #include "apps/report_metric.h"
 #include "apps/report_thesis.h"
+#include "apps/report_words.h"
 
 #include <math.h>
 #include <string.h>
@@ -123,12 +124,18 @@ enum { column_count = sizeof columns / sizeof *columns };
 /* What stands before the figures; shown as columns only where rows differ. */
 static void put_epsilon(text *out, const report_row *row)
 {
-    text_printf(out, "%.4g", row->epsilon);
+    if (row->cube)
+        text_printf(out, "%.4g", row->epsilon);
+    else
+        text_put(out, "\xe2\x80\x93");
 }
 
 static void put_points(text *out, const report_row *row)
 {
-    text_printf(out, "%u", row->points);
+    if (row->cube)
+        text_printf(out, "%u", row->points);
+    else
+        text_put(out, "\xe2\x80\x93");
 }
 
 static void put_placement(text *out, const report_row *row)
@@ -188,10 +195,10 @@ static view make_view(const report_table *table, const char *experiment)
         v.least[c] = INFINITY;
     size_t k = 0;
     for (const report_row *row; (row = next_row(&v, &k));) {
-        if (!v.first)
+        if (!v.first || (!v.first->cube && row->cube)) /* rays have no field to differ in */
             v.first = row;
         for (int s = 0; s < setting_count; s++)
-            v.varies[s] |= !settings[s].same(row, v.first);
+            v.varies[s] |= row->cube && !settings[s].same(row, v.first);
         for (int c = 0; c < column_count; c++) {
             const double x = columns[c].get(table, row);
             v.shown[c] |= columns[c].small_is_good || (isfinite(x) && x > 0);
@@ -307,8 +314,10 @@ void report_put_tables(const report_table *table, text *out)
     for (size_t k = 0; (experiment = report_table_experiment(table, k)); k++) {
         const view v = make_view(table, experiment);
         text_put(out, "<h3>");
-        text_escaped(out, experiment);
-        text_put(out, "</h3>\n");
+        text_escaped(out, report_words_title(experiment));
+        text_put(out, "</h3>\n<p>");
+        text_escaped(out, report_words_note(experiment));
+        text_put(out, "</p>\n");
         put_common(&v, out);
         text_put(out, "<div class=\"wide\"><table>\n");
         put_head(&v, out);

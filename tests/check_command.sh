@@ -182,6 +182,17 @@ expect 0 "0 failed" check cielab weights --json
 member "$work/out" schema measured failed rows
 expect 0 "curvature" check curvature --scene $scene --threads 2
 
+# A report holds every table and figure that the thesis has of this, in rows that belong together.
+expect 0 "report.html" report $scene --preset quick --repeats 1 -o "$work/all.report"
+for part in "Table 6.1" "Table 6.2" "Figure 3.2" "Figures 3.3 to 3.5" "Figures 4.1 to 4.3" "Figure 4.4" "Figure 4.5" \
+    "Figure 4.6" "Figure 6.1" "Figure 6.3" "occlusion test" "Registration" "recursion"; do
+    grep -q "$part" "$work/all.report/report.html" || { echo "the report lacks $part" >&2; failures=$((failures + 1)); }
+done
+jq -e '[.rows[].experiment] | unique == (["epsilon", "horizon", "mirror", "occlusion", "reconstruction", "recursion",
+    "registration"] | unique)' "$work/all.report/report.json" >/dev/null || failures=$((failures + 1))
+jq -e '[.rows[] | select(.experiment == "occlusion") | .method] | length == 6 and
+    (map(select(endswith("on"))) | length == 3)' "$work/all.report/report.json" >/dev/null || failures=$((failures + 1))
+
 # Nor does a report with little memory differ in anything but its times.
 for memory in 1000000000 1500000; do
     expect 0 "report.html" report $scene --preset quick --repeats 1 --experiments reconstruction --memory $memory \
