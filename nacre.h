@@ -21,6 +21,7 @@
 #include "io/ktx2_file.h"
 #include "io/map_file.h"
 #include "io/patch_file.h"
+#include "io/rsibr_file.h"
 #include "io/scene_file.h"
 #include "sampling/placement.h"
 #include "sampling/points.h"

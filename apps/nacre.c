@@ -18,6 +18,7 @@ static const struct {
     {"compare", verb_compare, "measure how far an image is from its reference"},
     {"report", verb_report, "error against run time of every method, as a page"},
     {"env", verb_env, "convert an environment map between kinds and conventions"},
+    {"rsibr", verb_rsibr, "compute what a material reflects toward a few eyes"},
     {"info", verb_info, "say what a scene, field, image or patch file holds"},
     {"bench", verb_bench, "race nacre against the limit of this machine and its peers"},
     {"check", verb_check, "measure the hazards of arithmetic against their bounds"},

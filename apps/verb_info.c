@@ -6,6 +6,7 @@
 
 #include <float.h>
 #include <math.h>
+#include <stdio.h>
 #include <string.h>
 #include <sys/stat.h>
 
@@ -64,6 +65,43 @@ static ncr_status describe_field(const info_options *o, json_t *out)
                                           field.scene_hash, "verified", (int)o->verify));
     ncr_field_dispose(&a->ctx, &field);
     return NCR_OK;
+}
+
+static ncr_status describe_radiance_maps(const info_options *o, json_t *out)
+{
+    const app *a = &o->common;
+    ncr_rsibr set;
+    const ncr_status status = ncr_rsibr_read(&a->ctx, o->file, &set);
+    if (status != NCR_OK)
+        return status;
+    json_t *lobes = json_array();
+    app_say(a, "radiance maps for %u eyes, %u x %u texels each%s%s", set.sphere.view_count,
+            set.size, set.size, set.single ? ", one for all lobes" : "",
+            set.raw ? "" : ", albedo divided out");
+    for (uint32_t k = 0; k < set.brdf.lobe_count; k++) {
+        const ncr_rsibr_lobe *lobe = &set.brdf.lobe[k];
+        const char *name = ncr_rsibr_kind_name(lobe->kind);
+        const bool mirror = ncr_rsibr_lobe_index(lobe) == NCR_RSIBR_BY_MIRROR;
+        app_say(a, "  %-8s colour %.3g %.3g %.3g, by %s", name, (double)lobe->colour[0],
+                (double)lobe->colour[1], (double)lobe->colour[2],
+                mirror ? "mirror direction" : "normal");
+        json_array_append_new(
+            lobes, json_pack("{s:s, s:s}", "kind", name, "index", mirror ? "mirror" : "normal"));
+    }
+    json_object_update_new(out, json_pack("{s:s, s:i, s:i, s:i, s:b, s:b, s:o}", "kind", "rsibr",
+                                          "views", (int)set.sphere.view_count, "maps",
+                                          (int)set.maps, "size", (int)set.size, "raw", set.raw,
+                                          "single", set.single, "lobes", lobes));
+    ncr_rsibr_dispose(&a->ctx, &set);
+    return NCR_OK;
+}
+
+static bool holds(const char *folder, const char *name)
+{
+    char path[4096];
+    struct stat st;
+    const int length = snprintf(path, sizeof path, "%s/%s", folder, name);
+    return length < (int)sizeof path && stat(path, &st) == 0;
 }
 
 static ncr_status describe_scene(const info_options *o, json_t *out)
@@ -196,7 +234,8 @@ static ncr_status describe(const info_options *o, json_t *out)
     if (stat(o->file, &st) != 0)
         return ncr_fail(&o->common.ctx, NCR_E_IO, "%s: no such file", o->file);
     if (S_ISDIR(st.st_mode))
-        return describe_field(o, out);
+        return holds(o->file, NCR_RSIBR_MANIFEST) ? describe_radiance_maps(o, out)
+                                                  : describe_field(o, out);
     if (has_suffix(o->file, ".json"))
         return describe_scene(o, out);
     if (has_suffix(o->file, ".patches"))

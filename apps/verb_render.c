@@ -13,6 +13,7 @@ typedef struct render_options {
     double exposure, memory;
     bool object_only;
     far_light_options far;
+    const char *maps;
 } render_options;
 
 /* Everything a render holds; closed as one. */
@@ -24,6 +25,7 @@ typedef struct render_job {
     ncr_lightfield *probe_light;
     ncr_probe probe;
     far_light far;
+    ncr_rsibr maps;
     ncr_image image;
     ncr_shade_stats stats;
 } render_job;
@@ -94,6 +96,19 @@ static ncr_status prepare_far_light(render_job *job, const ncr_method *method,
     return status;
 }
 
+/* Radiance maps are what one method cannot do without, and no other reads. */
+static ncr_status read_maps(render_job *job, const ncr_method *method)
+{
+    const app *a = &job->o->common;
+    const bool reads = named(method, "rsibr");
+    if (reads && !job->o->maps)
+        return ncr_fail(&a->ctx, NCR_E_ARG, "method \"rsibr\" needs --maps FOLDER");
+    if (!reads && job->o->maps)
+        return ncr_fail(&a->ctx, NCR_E_ARG, "--maps: method \"%s\" reads no radiance maps",
+                        method->name);
+    return reads ? ncr_rsibr_read(&a->ctx, job->o->maps, &job->maps) : NCR_OK;
+}
+
 static ncr_status prepare(render_job *job, const ncr_method *method, const ncr_method *recon,
                           ncr_term term, ncr_shading_inputs *inputs)
 {
@@ -107,6 +122,8 @@ static ncr_status prepare(render_job *job, const ncr_method *method, const ncr_m
                                    &job->probe_light, &job->probe);
     if (status == NCR_OK)
         status = prepare_far_light(job, method, recon, term);
+    if (status == NCR_OK)
+        status = read_maps(job, method);
     if (status != NCR_OK)
         return status;
     job->s.tracer.mirror_depth = job->o->depth_levels ? job->o->depth_levels : 1;
@@ -118,6 +135,7 @@ static ncr_status prepare(render_job *job, const ncr_method *method, const ncr_m
         .probe = job->probe_light ? &job->probe : NULL,
         .tracer = traces ? &job->s.tracer : NULL,
         .distant = job->far.distant,
+        .rsibr = job->o->maps ? &job->maps : NULL,
         .material = &job->s.world->materials[job->s.object],
     };
     if (job->o->field) {
@@ -266,6 +284,7 @@ static ncr_status run_render(const render_options *o)
 
     ncr_image_dispose(&a->ctx, &job.image);
     far_light_close(a, &job.far);
+    ncr_rsibr_dispose(&a->ctx, &job.maps);
     ncr_lightfield_destroy(&a->ctx, job.probe_light);
     ncr_field_dispose(&a->ctx, &job.field);
     view_close(a, &job.v);
@@ -291,6 +310,7 @@ int verb_render(int argc, char **argv)
          "of prefiltered and fresnel: lambert, phong:N, ggx:A, beckmann:M"},
         {"--filter", 0, OPTION_TEXT, &o.far.filter, "HOW",
          "of a Phong lobe: exact (default), hierarchical, two-radii"},
+        {"--maps", 0, OPTION_TEXT, &o.maps, "FOLDER", "radiance maps: what rsibr reads"},
         {"--memory", 0, OPTION_NUMBER, &o.memory, "BYTES", "keep no more of the field's light"},
         {"--camera", 0, OPTION_TEXT, &o.camera, "NAME", "a camera of the scene (default: first)"},
         {"--size", 0, OPTION_SIZE, o.size, "WxH", "image size (default: the preset's)"},

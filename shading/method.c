@@ -43,6 +43,8 @@ static const ncr_method_entry entries[] = {
      ncr_recon_fresnel, ncr_reflect_fresnel, 0},
     {"lambert", "surface under the irradiance of distant light", NCR_PARAMETER_NONE,
      NCR_NEEDS_DISTANT | NCR_NEEDS_DIFFUSE, ncr_recon_lambert, NULL, 0},
+    {"rsibr", "radiance maps of the whole material for a few eyes, warped and blended",
+     NCR_PARAMETER_NONE, NCR_NEEDS_RSIBR | NCR_SHOWS_ALL, NULL, ncr_reflect_rsibr, 0},
 };
 
 enum { entry_count = sizeof entries / sizeof *entries, name_room = 32, pixels_per_chunk = 8192 };
@@ -232,6 +234,8 @@ static ncr_status check_parts(const ncr_ctx *ctx, const ncr_method *method,
         return ncr_fail(ctx, NCR_E_ARG, "method \"%s\" needs a captured probe", method->name);
     if (needs & NCR_NEEDS_TRACER && !in->tracer)
         return ncr_fail(ctx, NCR_E_ARG, "method \"%s\" needs a tracer", method->name);
+    if (needs & NCR_NEEDS_RSIBR && !in->rsibr)
+        return ncr_fail(ctx, NCR_E_ARG, "method \"%s\" needs radiance maps", method->name);
     if (!(in->horizon_deg >= 0 && in->horizon_deg <= 90))
         return ncr_fail(ctx, NCR_E_ARG, "a horizon of %g degrees", in->horizon_deg);
     return needs & NCR_NEEDS_DISTANT ? check_distant(ctx, method, in) : NCR_OK;
@@ -282,7 +286,12 @@ static ncr_status choose_terms(const ncr_ctx *ctx, const ncr_method *method, ncr
     ncr_status status = check_parts(ctx, method, in);
     call->reflect = term == NCR_TERM_RECON ? NULL : method;
     call->recon = term == NCR_TERM_RECON ? method : NULL;
-    if (status == NCR_OK && term == NCR_TERM_FULL) {
+    const bool all = method->entry->needs & NCR_SHOWS_ALL;
+    if (status == NCR_OK && all && term == NCR_TERM_FULL && recon)
+        return ncr_fail(ctx, NCR_E_ARG,
+                        "method \"%s\" shows all of a surface: \"%s\" has no place under it",
+                        method->name, recon->name);
+    if (status == NCR_OK && !all && term == NCR_TERM_FULL) {
         status = choose_recon(ctx, method, recon, in, chosen);
         call->recon = chosen;
         if (status == NCR_OK)

@@ -22,6 +22,9 @@ typedef struct ncr_probe {
 /** Distant light made ready for methods: distant.h. */
 typedef struct ncr_distant ncr_distant;
 
+/** Radiance maps of a material: rsibr.h. */
+typedef struct ncr_rsibr ncr_rsibr;
+
 /** What methods may need. A method that lacks its part answers NCR_E_ARG with a sentence. */
 typedef struct ncr_shading_inputs {
     uint32_t object;          /* the object that is shaded; other pixels are left alone */
@@ -31,6 +34,7 @@ typedef struct ncr_shading_inputs {
     const ncr_lightfield *light;
     const ncr_probe *probe;     /* envmap, proxy */
     const ncr_distant *distant; /* mirror, prefiltered, fresnel, lambert */
+    const ncr_rsibr *rsibr;     /* rsibr */
     const ncr_material
         *material;            /* lambert, fresnel: its colour, which needs `frame`; NULL: white */
     const ncr_tracer *tracer; /* trace */
@@ -64,7 +68,7 @@ typedef struct ncr_shade_stats {
  * Find a method by "name" or "name:parameter".
  *
  *     reflect: trace  envmap  proxy  distance  angle  average  cosine-r:N  cosine-n:N  abs-r:N
- *              mirror  prefiltered  fresnel:n
+ *              mirror  prefiltered  fresnel:n  rsibr
  *     recon:   trace  nearest  average4  lambert  fresnel:n
  *
  * @return  NCR_E_ARG for an unknown name (the sentence offers the nearest one), a missing,
@@ -81,7 +85,7 @@ NCR_API const char *ncr_method_name(size_t k, const char **summary);
  * @param term    RECON or REFLECT with a method that has that term; FULL composes reconstruction
  *                (`recon`, NULL: the method's own if it has one, lambert for methods of distant
  *                light, nearest when a field is given, else trace) with `specular` * reflection
- * @param specular  C_s of FULL; NULL: 1. A Fresnel coat has its own
+ * @param specular  C_s of FULL; NULL: 1. A Fresnel coat has its own, rsibr shows all by itself
  * @param image   same size, 3 channels; only the object's pixels are written
  *
  * Deterministic for any number of workers. NCR_E_ARG, NCR_E_CANCELLED, NCR_E_NOMEM.

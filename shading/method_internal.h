@@ -75,6 +75,8 @@ enum { NCR_NEEDS_FIELD = 1, NCR_NEEDS_PROBE = 2, NCR_NEEDS_TRACER = 4 };
 /* Distant light; filtered by Lambert's lobe; by the chosen lobe, or if there is one. */
 enum { NCR_NEEDS_DISTANT = 128, NCR_NEEDS_DIFFUSE = 256, NCR_NEEDS_GLOSS = 512 };
 enum { NCR_TAKES_GLOSS = 1024 };
+/* Radiance maps, which show all of a surface: a full image has nothing under them. */
+enum { NCR_NEEDS_RSIBR = 2048, NCR_SHOWS_ALL = 4096 };
 
 /* In which directions a method looks up the field, so that a plan can leave out the others: along
  * r, or from the point to the surface; at any of the candidates, or only at the first one (of a
@@ -109,6 +111,7 @@ ncr_shade_fn ncr_recon_trace, ncr_reflect_trace;    /* method_trace.c */
 /* method_distant.c */
 ncr_shade_fn ncr_reflect_mirror, ncr_reflect_prefiltered, ncr_reflect_fresnel;
 ncr_shade_fn ncr_recon_lambert, ncr_recon_fresnel;
+ncr_shade_fn ncr_reflect_rsibr; /* method_rsibr.c */
 
 /* Add neighbouring pixels [begin, end) to a run, as many as there is room for; returns how many. */
 size_t ncr_run_add(const ncr_gbuffer *gbuffer, size_t begin, size_t end, ncr_run *run);

@@ -37,6 +37,7 @@ void ncr_reflect_trace(const ncr_shade_job *job, const ncr_method *method, ncr_r
                           .dy = run->r.at[1],
                           .dz = run->r.at[2]};
     ncr_ray_counts rays = {0};
-    ncr_tracer_radiance(job->in->tracer, run->count, &ray, NULL, NCR_ROWS_OUT(&run->rgb), NULL, &rays);
+    ncr_tracer_radiance(job->in->tracer, run->count, &ray, NULL, NCR_ROWS_OUT(&run->rgb), NULL,
+                        &rays);
     stats->rays += rays.view + rays.shadow + rays.mirror;
 }

@@ -17,7 +17,8 @@ typedef struct fill_job {
     const ncr_directional_map *env;
     ncr_rsibr *set;
     uint32_t lobe;
-    ncr_image light; /* lat-long along the world's axes: rgb, 1 */
+    ncr_image light;            /* lat-long along the world's axes: rgb, 1 */
+    ncr_directional_map coarse; /* for mirrors: no finer than their texels call for */
     ncr_prefilter_grid *grid;
     ncr_fixed_view *fixed;
     float *mean; /* [size][size][4] of the eye at hand */
@@ -40,6 +41,27 @@ static ncr_status as_latlong(const ncr_ctx *ctx, const ncr_directional_map *env,
         status = ncr_directional_map_convert(ctx, env, out);
     if (status != NCR_OK)
         ncr_directional_map_dispose(ctx, out);
+    return status;
+}
+
+/* Mean side of a texel in radians. */
+static double texel_side(const ncr_directional_map *map)
+{
+    return sqrt(4 * 3.14159265358979323846 / map->image.width / map->image.height);
+}
+
+/* The light for mirrors, halved while two of its texels still fit into one of a map, which has
+ * 16 / size^2 steradians. Halving keeps what there is of light, of a sun too. */
+static ncr_status make_coarse(fill_job *job)
+{
+    uint32_t size = job->env->size;
+    while (size > 1 && texel_side(job->env) * job->env->size / (size / 2) < 2.0 / job->set->size)
+        size /= 2;
+    ncr_directional_map_dispose(job->ctx, &job->coarse);
+    ncr_status status = ncr_directional_map_init(job->ctx, job->env->kind, size, 3, &job->coarse);
+    job->coarse.axes = job->env->axes;
+    if (status == NCR_OK)
+        status = ncr_directional_map_shrink(job->ctx, job->env, &job->coarse);
     return status;
 }
 
@@ -108,7 +130,7 @@ static ncr_status open_lobe(fill_job *job)
 {
     const ncr_rsibr_lobe *lobe = &job->set->brdf.lobe[job->lobe];
     if (lobe->kind == NCR_RSIBR_MIRROR)
-        return NCR_OK;
+        return make_coarse(job);
     if (lobe->kind != NCR_RSIBR_GLOSS)
         return make_grid(job);
     const ncr_status status = ncr_fixed_view_create(job->ctx, &lobe->gloss, &job->fixed);
@@ -137,7 +159,7 @@ static void mirrored(const double own[3], void *user, float *out)
     double d[3];
     for (int i = 0; i < 3; i++)
         d[i] = own[0] * f->axis[0][i] + own[1] * f->axis[1][i] + own[2] * f->axis[2][i];
-    ncr_directional_map_look_up(job->env, d, out);
+    ncr_directional_map_look_up(&job->coarse, d, out);
     for (int i = 0; i < 3; i++)
         out[i] = isfinite(out[i]) ? out[i] : 0;
 }
@@ -149,7 +171,8 @@ static ncr_status fill_mirror(fill_job *job)
     ncr_directional_map ball;
     ncr_status status = ncr_directional_map_init(job->ctx, NCR_MAP_SPHERE, n, 3, &ball);
     if (status == NCR_OK)
-        status = ncr_directional_map_fill(job->ctx, &ball, 0.8 / job->env->size, mirrored, job);
+        status = ncr_directional_map_fill(job->ctx, &ball, 0.5 * texel_side(&job->coarse), mirrored,
+                                          job);
     for (size_t k = 0; status == NCR_OK && k < (size_t)n * n; k++) {
         memcpy(job->mean + 4 * k, ball.image.data + 3 * k, 3 * sizeof(float));
         job->mean[4 * k + 3] = 1;
@@ -271,6 +294,7 @@ ncr_status ncr_rsibr_fill(const ncr_ctx *ctx, const ncr_directional_map *env, nc
     if (status == NCR_OK && set->single && !set->raw)
         demodulate(set);
     ncr_image_dispose(ctx, &job.light);
+    ncr_directional_map_dispose(ctx, &job.coarse);
     ncr_free(ctx, job.mean);
     ncr_free(ctx, job.normal);
     return status;

@@ -1,0 +1,68 @@
+#!/usr/bin/env bash
+# SPDX-License-Identifier: MIT
+# nacre rsibr: maps are written, described, and rendered with; what makes no sense is refused.
+#   check_rsibr.sh NACRE SOURCE_FOLDER
+set -euo pipefail
+nacre=$(realpath "$1")
+cd "$2"
+work=$(mktemp -d)
+trap 'rm -rf "$work"' EXIT
+failures=0
+
+fail() {
+    echo "$*" >&2
+    failures=$((failures + 1))
+}
+
+# expect CODE PATTERN arguments...: exit code, and a pattern that stderr must hold
+expect() {
+    local code=$1 pattern=$2 got=0
+    shift 2
+    "$nacre" "$@" >"$work/out" 2>"$work/err" </dev/null || got=$?
+    if [ $got -ne "$code" ] || ! grep -qE -- "$pattern" "$work/err"; then
+        fail "nacre $*: exit $got (expected $code), stderr (expected /$pattern/): $(cat "$work/err")"
+    fi
+}
+
+scene=data/scenes/trio.json
+view="--size 117x45 --term reflect"
+
+# Refusals.
+expect 2 "MAP is missing" rsibr
+expect 2 "-o FOLDER is missing" rsibr $scene
+expect 2 "--brdf NAME is missing" rsibr $scene -o "$work/m"
+expect 2 'did you mean "lambert"' rsibr $scene -o "$work/m" --brdf lamber
+expect 2 "an exponent from 0 to 1e\+06" rsibr $scene -o "$work/m" --brdf phong
+expect 2 "13 views: 12, 42, 162 or 642" rsibr $scene -o "$work/m" --brdf mirror --views 13
+expect 2 "1 texels" rsibr $scene -o "$work/m" --brdf mirror --size 1
+expect 3 "none.exr" rsibr "$work/none.exr" -o "$work/m" --brdf mirror
+expect 2 "needs --maps FOLDER" render $scene --method rsibr -o "$work/a.exr"
+expect 2 '"mirror" reads no radiance maps' render $scene --method mirror --maps "$work/m" -o "$work/a.exr"
+expect 3 "rsibr.json" render $scene --method rsibr --maps "$work/none" -o "$work/a.exr"
+
+# A mirror of twelve eyes is the sky along the mirror direction, up to its texels.
+expect 0 "1 maps of 96 x 96 texels for each of 12 eyes" rsibr $scene --brdf mirror:1.5 --size 96 -o "$work/m"
+expect 0 "radiance maps for 12 eyes, 96 x 96 texels each, albedo divided out" info "$work/m"
+expect 0 "" render $scene --method rsibr --maps "$work/m" $view -o "$work/a.exr"
+expect 0 "" render $scene --method fresnel:1.5 $view -o "$work/b.exr"
+"$nacre" compare "$work/b.exr" "$work/a.exr" --json -q >"$work/compare.json"
+jq -e '.rmse.L < 4' "$work/compare.json" >/dev/null ||
+    fail "rsibr and fresnel differ: $(cat "$work/compare.json")"
+
+# Paint shows all of a surface: a full image has nothing under it, and is its reflection.
+expect 0 "3 maps" rsibr $scene --brdf car-paint --size 24 -o "$work/p"
+expect 0 "coated .*by normal" info "$work/p"
+expect 0 "" render $scene --method rsibr --maps "$work/p" $view -o "$work/a.exr"
+expect 0 "" render $scene --method rsibr --maps "$work/p" --size 117x45 -o "$work/b.exr"
+cmp -s "$work/a.exr" "$work/b.exr" || fail "full and reflect of rsibr differ"
+expect 2 "shows all of a surface" render $scene --method rsibr --maps "$work/p" --recon lambert \
+    --size 117x45 -o "$work/b.exr"
+expect 2 "does not reconstruct" render $scene --method rsibr --maps "$work/p" --term recon -o "$work/b.exr"
+
+# A map file, and a second set over the first.
+"$nacre" env --chart --to latlong --size 32 -o "$work/chart.exr" -q
+expect 0 "2 maps of 16 x 16" rsibr "$work/chart.exr" --brdf cook-torrance:0.3 --size 16 -o "$work/p"
+expect 0 "radiance maps for 12 eyes, 16 x 16" info "$work/p"
+[ "$(ls "$work/p" | wc -l)" -eq 3 ] || fail "left over: $(ls "$work/p")"
+
+exit $failures
