@@ -54,12 +54,6 @@ static int has_tile(void *user, uint32_t point, uint32_t face, uint32_t x, uint3
     return ncr_field_writer_has(((const field_target *)user)->writer, point, face, x, y);
 }
 
-static double field_bytes(const ncr_baked *baked, uint32_t n, bool is_float, bool depth)
-{
-    const double texel = 3.0 * (is_float ? 4 : 2) + (depth ? 4 : 0);
-    return (double)baked->points.count * 6.0 * n * n * texel;
-}
-
 /* What the plan decided goes into the field. */
 static void follow_plan(field_target *t, const ncr_plan *made)
 {
@@ -78,12 +72,12 @@ static ncr_status open_field(void *user, const ncr_baked *baked, uint32_t n, boo
                              ncr_tile_sink *sink)
 {
     field_target *t = user;
-    const double bytes = field_bytes(baked, n, t->o->is_float, depth);
-    if (t->o->memory > 0 && bytes > t->o->memory)
+    const uint64_t bytes = ncr_field_radiance_bytes(baked->points.count, n, t->info.format, depth);
+    if (t->o->memory > 0 && (double)bytes > t->o->memory)
         return ncr_fail(&t->a->ctx, NCR_E_LIMIT,
-                        "the field needs %.0f bytes for %zu points of 6x%ux%u texels; --memory "
+                        "the field needs %llu bytes for %zu points of 6x%ux%u texels; --memory "
                         "allows %.0f",
-                        bytes, baked->points.count, n, n, t->o->memory);
+                        (unsigned long long)bytes, baked->points.count, n, n, t->o->memory);
     t->info.cube = n;
     follow_plan(t, baked->plan);
     const ncr_status status =

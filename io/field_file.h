@@ -49,6 +49,11 @@ typedef struct ncr_field_info {
     bool fresh; /* begin anew, whatever an earlier bake left */
 } ncr_field_info;
 
+/** Bytes of the texels of so many cubes, `cube` per face side: what radiance.exr takes but for its
+ *  own tables. Exact up to 2^64; more is outside the domain.                             [A-35] */
+NCR_API uint64_t ncr_field_radiance_bytes(uint64_t points, uint32_t cube, ncr_texel_format format,
+                                          bool depth);
+
 typedef struct ncr_field_writer ncr_field_writer;
 
 /** What a writer found of a bake that was cut short. */

@@ -136,3 +136,10 @@ size_t ncr_radiance_packed_bytes(const ncr_radiance_layout *l, const ncr_tile *t
     const size_t texel = (l->half ? 6 : 12) + (size_t)(l->depth ? 4 : 0);
     return tile->width * texel * tile->height;
 }
+
+uint64_t ncr_field_radiance_bytes(uint64_t points, uint32_t cube, ncr_texel_format format,
+                                  bool depth)
+{
+    const uint64_t texel = (format == NCR_TEXEL_FLOAT ? 12u : 6u) + (depth ? 4u : 0u);
+    return points * 6 * cube * cube * texel;
+}

@@ -118,6 +118,41 @@ static void shining_room_is_captured_texel_by_texel(void **state)
     world_dispose(&w);
 }
 
+/* A wall at height h over a part of the sky: rho = h sqrt(1 + s^2 + t^2), and infinity beside it. */
+static void distances_are_radial_and_the_sky_is_infinitely_far(void **state)
+{
+    enum { n = 32 };
+    (void)state;
+    const double h = 0.7, centre[3] = {0, 0, h}, a[3] = {0.5, 0, 0}, b[3] = {0, -0.5, 0};
+    test_world w = {0};
+    world_add_quad(&w, centre, a, b, world_lamp(1));
+    world_close(&w, &world_even_sky);
+    world_light(&w, &coarse);
+    const ncr_tracer tracer = world_tracer(&w);
+    const ncr_frame *frame = ncr_scene_frame(w.scene);
+    const double origin[3] = {0};
+    double at[3];
+    ncr_frame_from_model(frame, origin, at);
+    const ncr_vec3 p = {(float)at[0], (float)at[1], (float)at[2]};
+    keep k = new_keep(1, n);
+    const ncr_tile_sink sink = {&k, keep_tile};
+    CHECK_STATUS(NCR_OK, ncr_capture(NULL, &tracer, 1, &p, n,
+                                     NCR_OPTS(ncr_capture_opts, .depth = true), &sink, NULL));
+    for (uint32_t face = 0; face < 6; face++)
+        for (uint32_t y = 0; y < n; y++)
+            for (uint32_t x = 0; x < n; x++) {
+                const double s = (2.0 * x + 1) / n - 1, t = (2.0 * y + 1) / n - 1;
+                const double z = (double)k.z[texel_index(&k, 0, face, x, y)];
+                const bool wall = face == 4 && fabs(s) * h < 0.5 && fabs(t) * h < 0.5;
+                if (wall)
+                    CHECK_NEAR(z / world_unit(&w), h * sqrt(1 + s * s + t * t), 1e-6);
+                else
+                    assert_true(isinf(z));
+            }
+    free_keep(&k);
+    world_dispose(&w);
+}
+
 /* However the disc lies among the texels, all of it is caught and none of it twice. */
 static void suns_energy_is_in_the_texels(void **state)
 {
@@ -317,6 +352,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(shining_room_is_captured_texel_by_texel),
+        cmocka_unit_test(distances_are_radial_and_the_sky_is_infinitely_far),
         cmocka_unit_test(suns_energy_is_in_the_texels),
         cmocka_unit_test(light_does_not_depend_on_the_workers),
         cmocka_unit_test(skipped_tiles_are_neither_traced_nor_written),
