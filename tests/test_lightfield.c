@@ -220,8 +220,8 @@ static void too_bright_for_half_is_clamped_and_counted(void **state)
     assert_true(ncr_lightfield_fetch(field, 0, v_make(1, 2, 3)).y == 65504.0f);
     ncr_lightfield_destroy(NULL, field);
 
-    /* the first value that rounds to infinity is the first to be told; the least is kept */
-    const float edge[3] = {65519.0f, 65520.0f, 0x1p-24f};
+    /* what would round to infinity is clamped and told, the largest and the least are kept */
+    const float edge[3] = {65504.0f, 65520.0f, 0x1p-24f};
     field = make_field(1, 4, NCR_TEXEL_HALF, 0, constant_texel, edge);
     assert_int_equal(ncr_lightfield_overflows(field), 6 * 4 * 4);
     assert_true(ncr_lightfield_fetch(field, 0, v_make(1, 2, 3)).y == 65504.0f);
