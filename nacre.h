@@ -44,6 +44,7 @@
 #include "shading/irradiance.h"
 #include "shading/lightfield.h"
 #include "shading/lobe.h"
+#include "shading/lobe_sum.h"
 #include "shading/map_kind.h"
 #include "shading/material.h"
 #include "shading/method.h"

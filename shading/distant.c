@@ -2,6 +2,7 @@
 #include "shading/distant_internal.h"
 
 #include "core/vec_internal.h"
+#include "shading/brdf.h"
 #include "shading/method_internal.h"
 #include "shading/paraboloid_filter.h"
 
@@ -117,8 +118,9 @@ static ncr_status analyse(const ncr_ctx *ctx, const ncr_directional_map *map,
     return status;
 }
 
-static ncr_status filter(const ncr_ctx *ctx, const ncr_directional_map *map, const ncr_lobe *gloss,
-                         bool diffuse, double tolerance, ncr_distant *distant)
+static ncr_status filter(const ncr_ctx *ctx, const ncr_directional_map *map,
+                         const ncr_lobe *sharpest, const ncr_lobe *gloss, bool diffuse,
+                         double tolerance, ncr_distant *distant)
 {
     const ncr_lobe lambert = {.kind = NCR_LOBE_LAMBERT};
     const ncr_prefilter_output *positive =
@@ -126,7 +128,7 @@ static ncr_status filter(const ncr_ctx *ctx, const ncr_directional_map *map, con
     ncr_prefilter *prefilter = NULL;
     ncr_status status =
         analyse(ctx, map,
-                NCR_OPTS(ncr_prefilter_opts, .sharpest = gloss, .tolerance = tolerance,
+                NCR_OPTS(ncr_prefilter_opts, .sharpest = sharpest, .tolerance = tolerance,
                          .clamp_negative = true, .peel = light_share),
                 &prefilter);
     if (status == NCR_OK && gloss)
@@ -134,6 +136,8 @@ static ncr_status filter(const ncr_ctx *ctx, const ncr_directional_map *map, con
     if (status == NCR_OK && diffuse)
         status =
             ncr_prefilter_grid_create(ctx, prefilter, &lambert, positive, &distant->diffuse, NULL);
+    if (status == NCR_OK && distant->sum)
+        status = ncr_gloss_maps_create(ctx, prefilter, positive, distant->sum, &distant->lobes);
     ncr_prefilter_destroy(ctx, prefilter);
     return status;
 }
@@ -160,6 +164,68 @@ static ncr_status filter_roughly(const ncr_ctx *ctx, const ncr_directional_map *
     }
     ncr_directional_map_dispose(ctx, &sharp);
     return status;
+}
+
+/* What a lobe is the reflection of, where it has one. */
+typedef struct coat {
+    ncr_gloss gloss;
+    double exponent;
+} coat;
+
+static double coat_of_facets(const double v[3], const double l[3], const void *user)
+{
+    return ncr_gloss_eval(v, l, &((const coat *)user)->gloss);
+}
+
+static double coat_of_phong(const double v[3], const double l[3], const void *user)
+{
+    const coat *c = user;
+    const double f = ncr_phong_eval(c->exponent, v, l);
+    const double h[3] = {v[0] + l[0], v[1] + l[1], v[2] + l[2]};
+    return f > 0 ? f * ncr_fresnel_eval(&c->gloss.fresnel, fmin(1, d_dot(v, h) / d_length(h))) : 0;
+}
+
+/* The BRDF that a lobe stands for: GGX with Smith's shadowing, Beckmann with V-cavities (Cook and
+ * Torrance's), or Phong's; under a Fresnel term. */
+static ncr_status coat_of(const ncr_ctx *ctx, const ncr_lobe *lobe, double index, coat *c,
+                          ncr_reflectance *out)
+{
+    const double p = lobe ? lobe->parameter : 0;
+    c->gloss.fresnel.eta = index;
+    if (lobe && lobe->kind == NCR_LOBE_PHONG && p > 0) {
+        c->exponent = p;
+        *out = (ncr_reflectance){coat_of_phong, c, fmin(1, 1 / sqrt(p))};
+        return NCR_OK;
+    }
+    if (!lobe || !(lobe->kind == NCR_LOBE_GGX || lobe->kind == NCR_LOBE_BECKMANN) || !(p > 0))
+        return ncr_fail(ctx, NCR_E_ARG, "a glossy coat needs a lobe of GGX, Beckmann or Phong");
+    const bool ggx = lobe->kind == NCR_LOBE_GGX;
+    c->gloss.facets = (ncr_microfacet){ggx ? NCR_FACETS_GGX : NCR_FACETS_BECKMANN,
+                                       ggx ? NCR_SHADOWING_SMITH : NCR_SHADOWING_VCAVITY, p};
+    *out = (ncr_reflectance){coat_of_facets, c, fmin(p, 1)};
+    return NCR_OK;
+}
+
+/* Fit the lobes of the first method that wants any. */
+static ncr_status fit_lobes(const ncr_ctx *ctx, size_t count, const ncr_method *methods,
+                            const ncr_lobe *lobe, ncr_distant *distant)
+{
+    coat c = {0};
+    ncr_reflectance brdf;
+    for (size_t k = 0; k < count; k++) {
+        const ncr_method *m = &methods[k];
+        if (!m->entry || !(m->entry->needs & NCR_NEEDS_LOBES))
+            continue;
+        const ncr_status status = coat_of(ctx, lobe, m->parameter, &c, &brdf);
+        distant->made_for = m->entry;
+        distant->index = m->parameter;
+        const ncr_lobe_form form = (ncr_lobe_form)m->entry->detail;
+        return status != NCR_OK
+                   ? status
+                   : ncr_lobe_sum_fit(ctx, &brdf, NCR_OPTS(ncr_lobe_sum_opts, .form = form),
+                                      &distant->sum);
+    }
+    return NCR_OK;
 }
 
 /* The union of what the methods' entries ask for. */
@@ -192,8 +258,12 @@ ncr_status ncr_distant_create(const ncr_ctx *ctx, const ncr_directional_map *map
         status = filter_roughly(ctx, map, gloss, opts->filter, &distant->rough);
         gloss = NULL;
     }
-    if (status == NCR_OK && (gloss || diffuse))
-        status = filter(ctx, map, gloss, diffuse, opts ? opts->tolerance : 0, distant);
+    const ncr_lobe *lobe = opts ? opts->lobe : NULL;
+    if (status == NCR_OK)
+        status = fit_lobes(ctx, count, methods, lobe, distant);
+    if (status == NCR_OK && (gloss || diffuse || distant->sum))
+        status = filter(ctx, map, distant->sum ? lobe : gloss, gloss, diffuse,
+                        opts ? opts->tolerance : 0, distant);
     if (status != NCR_OK) {
         ncr_distant_destroy(ctx, distant);
         return status;
@@ -206,6 +276,8 @@ void ncr_distant_destroy(const ncr_ctx *ctx, ncr_distant *distant)
 {
     if (!distant)
         return;
+    ncr_gloss_maps_destroy(ctx, distant->lobes);
+    ncr_lobe_sum_destroy(ctx, distant->sum);
     ncr_directional_map_dispose(ctx, &distant->rough);
     ncr_prefilter_grid_destroy(ctx, distant->gloss);
     ncr_prefilter_grid_destroy(ctx, distant->diffuse);

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT
  * distant.h - light from infinitely far, made ready for the methods that read it by direction alone:
- * mirror, prefiltered, fresnel, lambert. */
+ * mirror, prefiltered, fresnel, lobe-average, lobe-angle, lobe-sum, lambert. */
 #ifndef NCR_SHADING_DISTANT_H
 #define NCR_SHADING_DISTANT_H
 
@@ -22,7 +22,7 @@ typedef struct ncr_distant_opts {
     size_t struct_size;
     ncr_distant_filter filter;
     const ncr_lobe *lobe; /* what `prefiltered` reflects with, and `fresnel` instead of a mirror;
-                             NULL: none */
+                             whose BRDF the lobe- methods decompose; NULL: none */
     double tolerance;     /* of the filters, see ncr_lobe_band_limit; 0: 1e-5 */
 } ncr_distant_opts;
 
@@ -33,6 +33,7 @@ typedef struct ncr_distant_opts {
  * @param map      any kind, 3 channels, sealed; borrowed until destroy
  * @param methods  [count] by which images will be shaded; others than the above are skipped
  * @param opts     NULL for defaults
+ *                 (of those that sum lobes, the first one counts)
  * @return         NCR_E_ARG (channels, lobe), NCR_E_NOMEM, NCR_E_CANCELLED
  *
  * Texels below 0 count as 0, and what filters ring below 0 is made 0. Lights that hold more than

@@ -41,6 +41,12 @@ static const ncr_method_entry entries[] = {
     {"fresnel", "a coat of index n: distant light by Fresnel's share, the rest diffuse",
      NCR_PARAMETER_INDEX, NCR_NEEDS_DISTANT | NCR_NEEDS_DIFFUSE | NCR_TAKES_GLOSS,
      ncr_recon_fresnel, ncr_reflect_fresnel, 0},
+    {"lobe-average", "a glossy coat of index n: one lobe for every view", NCR_PARAMETER_INDEX,
+     NCR_NEEDS_DISTANT | NCR_NEEDS_LOBES, NULL, ncr_reflect_lobes, NCR_LOBES_AVERAGED},
+    {"lobe-angle", "a glossy coat of index n: one lobe for each angle of view", NCR_PARAMETER_INDEX,
+     NCR_NEEDS_DISTANT | NCR_NEEDS_LOBES, NULL, ncr_reflect_lobes, NCR_LOBES_BY_ANGLE},
+    {"lobe-sum", "a glossy coat of index n: a sum of tilted lobes", NCR_PARAMETER_INDEX,
+     NCR_NEEDS_DISTANT | NCR_NEEDS_LOBES, NULL, ncr_reflect_lobes, NCR_LOBES_TILTED},
     {"lambert", "surface under the irradiance of distant light", NCR_PARAMETER_NONE,
      NCR_NEEDS_DISTANT | NCR_NEEDS_DIFFUSE, ncr_recon_lambert, NULL, 0},
     {"rsibr", "radiance maps of the whole material for a few eyes, warped and blended",
@@ -213,6 +219,10 @@ static ncr_status check_distant(const ncr_ctx *ctx, const ncr_method *method,
         return ncr_fail(ctx, NCR_E_ARG, "method \"%s\" needs distant light", method->name);
     if (needs & NCR_NEEDS_GLOSS && !in->distant->gloss && !in->distant->rough.size)
         return ncr_fail(ctx, NCR_E_ARG, "method \"%s\" needs a lobe", method->name);
+    if (needs & NCR_NEEDS_LOBES && (!in->distant->lobes || in->distant->made_for != method->entry ||
+                                    in->distant->index != method->parameter))
+        return ncr_fail(ctx, NCR_E_ARG, "distant light was not made ready for method \"%s:%g\"",
+                        method->name, method->parameter);
     if (needs & NCR_NEEDS_DIFFUSE && !in->distant->diffuse)
         return ncr_fail(ctx, NCR_E_ARG, "distant light was not made ready for method \"%s\"",
                         method->name);

@@ -33,7 +33,7 @@ typedef struct ncr_shading_inputs {
     const ncr_sample_map *map;
     const ncr_lightfield *light;
     const ncr_probe *probe;     /* envmap, proxy */
-    const ncr_distant *distant; /* mirror, prefiltered, fresnel, lambert */
+    const ncr_distant *distant; /* methods of distant light */
     const ncr_rsibr *rsibr;     /* rsibr */
     const ncr_material
         *material;            /* lambert, fresnel: its colour, which needs `frame`; NULL: white */
@@ -68,7 +68,7 @@ typedef struct ncr_shade_stats {
  * Find a method by "name" or "name:parameter".
  *
  *     reflect: trace  envmap  proxy  distance  angle  average  cosine-r:N  cosine-n:N  abs-r:N
- *              mirror  prefiltered  fresnel:n  rsibr
+ *              mirror  prefiltered  fresnel:n  lobe-average:n  lobe-angle:n  lobe-sum:n  rsibr
  *     recon:   trace  nearest  average4  lambert  fresnel:n
  *
  * @return  NCR_E_ARG for an unknown name (the sentence offers the nearest one), a missing,

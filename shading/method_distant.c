@@ -52,6 +52,23 @@ void ncr_reflect_prefiltered(const ncr_shade_job *job, const ncr_method *method,
         sample_map(&distant->rough, run, stats);
 }
 
+/* sum_j w_j(n.v) E_j(a_j): the lobes of a BRDF, its Fresnel term among them.        [H 19] */
+void ncr_reflect_lobes(const ncr_shade_job *job, const ncr_method *method, ncr_run *run,
+                       ncr_shade_stats *stats)
+{
+    (void)method;
+    ncr_vec3 n[NCR_RUN], r[NCR_RUN];
+    float rgb[NCR_RUN][3];
+    for (size_t k = 0; k < run->count; k++) {
+        n[k] = ncr_rows_get(&run->n, k);
+        r[k] = ncr_rows_get(&run->r, k);
+    }
+    ncr_gloss_maps_sample(job->in->distant->lobes, run->count, n, r, rgb[0]);
+    for (size_t k = 0; k < run->count; k++)
+        ncr_rows_set(&run->rgb, k, (ncr_vec3){rgb[k][0], rgb[k][1], rgb[k][2]});
+    stats->lookups += run->count;
+}
+
 /* rho L_d(n), with the irradiance of the whole hemisphere: nothing is in its way.       [H 15] */
 void ncr_recon_lambert(const ncr_shade_job *job, const ncr_method *method, ncr_run *run,
                        ncr_shade_stats *stats)

@@ -77,6 +77,7 @@ enum { NCR_NEEDS_DISTANT = 128, NCR_NEEDS_DIFFUSE = 256, NCR_NEEDS_GLOSS = 512 }
 enum { NCR_TAKES_GLOSS = 1024 };
 /* Radiance maps, which show all of a surface: a full image has nothing under them. */
 enum { NCR_NEEDS_RSIBR = 2048, NCR_SHOWS_ALL = 4096 };
+enum { NCR_NEEDS_LOBES = 8192 }; /* a sum of lobes, of the form `detail` */
 
 /* In which directions a method looks up the field, so that a plan can leave out the others: along
  * r, or from the point to the surface; at any of the candidates, or only at the first one (of a
@@ -110,6 +111,7 @@ ncr_shade_fn ncr_reflect_envmap, ncr_reflect_proxy; /* environment.c */
 ncr_shade_fn ncr_recon_trace, ncr_reflect_trace;    /* method_trace.c */
 /* method_distant.c */
 ncr_shade_fn ncr_reflect_mirror, ncr_reflect_prefiltered, ncr_reflect_fresnel;
+ncr_shade_fn ncr_reflect_lobes; /* detail is the ncr_lobe_form */
 ncr_shade_fn ncr_recon_lambert, ncr_recon_fresnel;
 ncr_shade_fn ncr_reflect_rsibr; /* method_rsibr.c */
 

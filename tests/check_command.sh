@@ -107,6 +107,11 @@ expect 0 "pixels" render $scene --preset quick --method prefiltered --lobe phong
     -o "$work/far.exr"
 expect 2 "did you mean hierarchical" render $scene --preset quick --method prefiltered --lobe phong:5 --filter hierachical \
     -o "$work/a.png"
+for method in lobe-average:1e6 lobe-angle:1.5 lobe-sum:1.5; do
+    expect 0 "pixels" render $scene --preset quick --method $method --lobe ggx:0.3 --term reflect --object-only \
+        -o "$work/far.exr"
+done
+expect 2 "needs a lobe of GGX" render $scene --preset quick --method lobe-sum:2 --lobe lambert -o "$work/a.png"
 expect 2 "only Phong" render $scene --preset quick --method prefiltered --lobe ggx:0.2 --filter two-radii -o "$work/a.png"
 expect 2 "needs a lobe" render $scene --preset quick --method prefiltered -o "$work/a.png"
 expect 2 "did you mean phong" render $scene --preset quick --method prefiltered --lobe fong:3 -o "$work/a.png"
