@@ -10,7 +10,8 @@ set(bench_flags_avx512 -mavx512f -mavx512bw -mavx512dq -mavx512vl -mavx2 -mfma -
                        -mprefer-vector-width=512)
 foreach(level ${bench_levels})
   add_library(bench_limit_${level} OBJECT bench_limit_bezier.c bench_limit_decode.c
-                                          bench_limit_look_up.c)
+                                          bench_limit_facets.c bench_limit_look_up.c
+                                          bench_limit_sampled.c)
   target_link_libraries(bench_limit_${level} PRIVATE ncr_flags)
   target_compile_definitions(bench_limit_${level} PRIVATE BENCH_ISA=${level})
   # A limit has no duty to round alike everywhere: products and sums may fuse.
@@ -23,7 +24,10 @@ endforeach()
 find_path(BENCH_OPENSUBDIV_INCLUDE opensubdiv/bfr/surface.h)
 find_library(BENCH_OPENSUBDIV_LIBRARY osdCPU)
 find_path(BENCH_NANOFLANN_INCLUDE nanoflann.hpp)
-mark_as_advanced(BENCH_OPENSUBDIV_INCLUDE BENCH_OPENSUBDIV_LIBRARY BENCH_NANOFLANN_INCLUDE)
+find_path(BENCH_SHARP_INCLUDE libsharp/sharp.h)
+find_library(BENCH_SHARP_LIBRARY sharp)
+mark_as_advanced(BENCH_OPENSUBDIV_INCLUDE BENCH_OPENSUBDIV_LIBRARY BENCH_NANOFLANN_INCLUDE
+                 BENCH_SHARP_INCLUDE BENCH_SHARP_LIBRARY)
 set(bench_opensubdiv 0)
 set(bench_nanoflann 0)
 if(BENCH_OPENSUBDIV_INCLUDE AND BENCH_OPENSUBDIV_LIBRARY)
@@ -42,4 +46,17 @@ if(BENCH_NANOFLANN_INCLUDE)
 endif()
 target_compile_definitions(nacre_command PRIVATE BENCH_WITH_OPENSUBDIV=${bench_opensubdiv}
                                                  BENCH_WITH_NANOFLANN=${bench_nanoflann})
-message(STATUS "bench peers: OpenSubdiv ${bench_opensubdiv}, nanoflann ${bench_nanoflann}")
+
+# libsharp is under the GPL: a program of its own, which the bench talks to, and which stays where
+# it was built.
+set(bench_sharp 0)
+if(BENCH_SHARP_INCLUDE AND BENCH_SHARP_LIBRARY)
+  set(bench_sharp 1)
+  add_executable(nacre_peer_sharp bench_peer_sharp.c)
+  set_target_properties(nacre_peer_sharp PROPERTIES OUTPUT_NAME nacre-peer-sharp)
+  target_include_directories(nacre_peer_sharp SYSTEM PRIVATE ${BENCH_SHARP_INCLUDE})
+  target_include_directories(nacre_peer_sharp PRIVATE ${PROJECT_SOURCE_DIR})
+  target_link_libraries(nacre_peer_sharp PRIVATE ncr_flags ${BENCH_SHARP_LIBRARY})
+endif()
+message(STATUS "bench peers: OpenSubdiv ${bench_opensubdiv}, nanoflann ${bench_nanoflann}, "
+               "libsharp ${bench_sharp}")

@@ -18,6 +18,9 @@ typedef struct bench_side {
     void (*run)(void *user);
     void *user;
     double items; /* handled by one run */
+    /* Instead of `run`, for what runs in a process of its own: do so many runs and say the
+     * processor time they took. */
+    double (*seconds)(void *user, unsigned runs);
 } bench_side;
 
 /** Nacre's rate over a rival's, turn by turn: higher is better. */
@@ -25,13 +28,16 @@ typedef struct bench_ratio {
     const char *name;
     double median, low, high; /* low and high: quartiles over the turns */
     double rate;              /* the rival's own, items per second */
-    double error;             /* how far nacre's answer is from the rival's */
+    double error;             /* how far nacre's answer is from the rival's; where the truth is
+                                 known (see bench_result), how far the rival's is from that */
 } bench_ratio;
 
 typedef struct bench_result {
     const char *unit;     /* of rate: what is counted, "points/s" */
     double rate;          /* median over all turns */
     const char *error_of; /* what errors are differences of */
+    bool truth;           /* errors are differences from a third answer, the definition's: */
+    double error;         /* nacre's own */
     size_t ratio_count;
     bench_ratio ratio[BENCH_RIVALS];
 } bench_result;
@@ -56,6 +62,10 @@ bench_row_fn bench_capture, bench_closest, bench_shadows; /* bench_trace.c */
 bench_row_fn bench_mirror_half, bench_mirror_float;       /* bench_shade.c */
 bench_row_fn bench_reconstruct;                           /* bench_shade.c */
 bench_row_fn bench_decode_half;                           /* bench_decode.c */
+bench_row_fn bench_diffuse, bench_diffuse_full;           /* bench_prefilter.c */
+bench_row_fn bench_phong_full, bench_paraboloid;          /* bench_prefilter.c */
+bench_row_fn bench_ggx_chain;                             /* bench_chain.c */
+bench_row_fn bench_fixed_view;                            /* bench_fixed_view.c */
 
 /**
  * Race nacre against one rival: warm up, then alternate, each going first every other turn, and

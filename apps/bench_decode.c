@@ -34,8 +34,9 @@ ncr_status bench_decode_half(bench *b, bench_result *out)
         return NCR_E_NOMEM;
     for (int k = 0; k < half_count; k++)
         w->in[k] = (uint16_t)(k * 7);
-    const ncr_status status = bench_race(b, &(bench_side){NULL, run, w, half_count},
-                                         &(bench_side){"limit", run_limit, w, half_count}, out);
+    const ncr_status status =
+        bench_race(b, &(bench_side){NULL, run, w, half_count, NULL},
+                   &(bench_side){"limit", run_limit, w, half_count, NULL}, out);
     for (int k = 0; k < half_count; k++)
         out->ratio[0].error =
             fmax(out->ratio[0].error, fabs((double)w->ours[k] - (double)w->limit[k]));

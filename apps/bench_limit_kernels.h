@@ -14,7 +14,9 @@
     bench_bezier_f bench_bezier_f_##isa;                                                           \
     bench_bezier_d bench_bezier_d_##isa;                                                           \
     bench_look_up bench_blend_half_##isa, bench_blend_float_##isa, bench_single_half_##isa;        \
-    bench_decode bench_decode_##isa;
+    bench_decode bench_decode_##isa;                                                               \
+    bench_facets bench_facets_##isa;                                                               \
+    bench_sampled bench_sampled_##isa;
 
 BENCH_DECLARE(generic)
 BENCH_DECLARE(avx2)

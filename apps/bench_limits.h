@@ -31,6 +31,34 @@ typedef void bench_look_up(const bench_cubes *cubes, size_t count, const uint16_
 
 typedef void bench_decode(size_t count, const uint16_t *in, float *out);
 
+/** Texels seen from one eye: half-vectors, their cosine with the eye and its reciprocal, and
+ *  radiance times whatever else the normal does not change. */
+typedef struct bench_facet_texels {
+    size_t count;
+    float *h[3], *v_h, *one_v_h, *rgb[3];
+} bench_facet_texels;
+
+/** Light off Beckmann's facets with V-shaped cavities: out = sum of D G / n.v rgb, but for 1 / pi. */
+typedef void bench_facets(const bench_facet_texels *texels, float alpha, float n_v,
+                          const float n[3], float out[3]);
+
+/** A level of a cube map with an apron: [face][n + 2][n + 2][4]. */
+typedef struct bench_level {
+    const float *texels;
+    uint32_t n;
+} bench_level;
+
+/** Directions about +Z, their weights, and the level each looks up, mixed with the next. */
+typedef struct bench_samples {
+    size_t count;
+    const float *d[3], *weight, *blend;
+    const uint32_t *level;
+    const bench_level *levels;
+} bench_samples;
+
+/** out = sum of weight times radiance; frame: where x, y, z of the samples point. */
+typedef void bench_sampled(const bench_samples *samples, const float frame[3][3], float out[3]);
+
 typedef struct bench_limits {
     const char *name; /* of the instruction set */
     bench_bezier_f *bezier_f;
@@ -38,6 +66,8 @@ typedef struct bench_limits {
     bench_look_up *blend_half, *blend_float; /* four points */
     bench_look_up *single_half;              /* one point */
     bench_decode *decode;
+    bench_facets *facets;
+    bench_sampled *sampled;
 } bench_limits;
 
 /** The kernels for the instruction set that the library's fast paths use here. */

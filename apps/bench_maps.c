@@ -85,8 +85,8 @@ static ncr_status race_tree(const bench_side *nacre, maps_work *w, bench_result 
             status = ncr_fail(&w->b->a->ctx, NCR_E_BACKEND, "nanoflann made no tree");
     }
     if (status == NCR_OK)
-        status =
-            bench_race(w->b, nacre, &(bench_side){"nanoflann", run_tree, w, nacre->items}, out);
+        status = bench_race(w->b, nacre,
+                            &(bench_side){"nanoflann", run_tree, w, nacre->items, NULL}, out);
     if (status == NCR_OK)
         out->ratio[0].error = differing(w);
     bench_tree_destroy(w->tree);
@@ -110,7 +110,7 @@ ncr_status bench_sample_maps(bench *b, bench_result *out)
     const stage *s = &b->set->s;
     const uint32_t patches =
         ncr_surface_patch_count(ncr_scene_object_surface(s->world->scene, s->object));
-    const bench_side nacre = {NULL, run, &w, (double)patches * map_side * map_side};
+    const bench_side nacre = {NULL, run, &w, (double)patches * map_side * map_side, NULL};
 #if BENCH_WITH_NANOFLANN
     status = b->peers ? race_tree(&nacre, &w, out) : bench_race(b, &nacre, NULL, out);
 #else

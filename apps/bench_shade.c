@@ -230,8 +230,8 @@ static ncr_status race(bench *b, const shade_kind *kind, bench_result *out)
     if (status == NCR_OK)
         status = prepare(b, &w);
     if (status == NCR_OK)
-        status = bench_race(b, &(bench_side){NULL, run, &w, (double)w.count},
-                            &(bench_side){"limit", run_limit, &w, (double)w.count}, out);
+        status = bench_race(b, &(bench_side){NULL, run, &w, (double)w.count, NULL},
+                            &(bench_side){"limit", run_limit, &w, (double)w.count, NULL}, out);
     if (status == NCR_OK)
         out->ratio[0].error = largest_difference(&w);
     dispose(&w);

@@ -86,8 +86,8 @@ static ncr_status race(trace_work *w, void (*nacre)(void *), bench_result *out)
     ncr_status status = prepare(w);
     if (status == NCR_OK) {
         const double rays = (double)(closest->count + occluded->count);
-        status = bench_race(w->b, &(bench_side){NULL, nacre ? nacre : run_work, w, rays},
-                            &(bench_side){"limit", run_limit, w, rays}, out);
+        status = bench_race(w->b, &(bench_side){NULL, nacre ? nacre : run_work, w, rays, NULL},
+                            &(bench_side){"limit", run_limit, w, rays, NULL}, out);
         out->ratio[0].error = (differing(closest, w->found) +
                                differing(occluded, w->found + padded(closest->count))) /
                               rays;

@@ -26,6 +26,12 @@ static const bench_row rows[] = {
     {"mirror-float", "the same from floats", bench_mirror_float, 201},
     {"reconstruct", "the surface from one cube", bench_reconstruct, 201},
     {"decode-half", "halves to floats", bench_decode_half, 301},
+    {"diffuse", "irradiance of a 3072 x 1536 map, 256 x 128", bench_diffuse, 15},
+    {"diffuse-full", "the same, 3072 x 1536", bench_diffuse_full, 15},
+    {"phong-full", "a Phong lobe over it, 3072 x 1536", bench_phong_full, 15},
+    {"paraboloid", "a Phong lobe in a dual paraboloid map, 512 x 1024", bench_paraboloid, 31},
+    {"ggx-chain", "eight GGX levels of 6 x 128 x 128", bench_ggx_chain, 15},
+    {"fixed-view", "Cook-Torrance toward twelve eyes, 100 x 50", bench_fixed_view, 9},
 };
 enum { row_count = sizeof rows / sizeof rows[0] };
 
@@ -75,14 +81,15 @@ static json_t *result_json(const char *name, const bench *b, const bench_result 
 {
     json_t *ratio = json_object(), *quartiles = json_object();
     json_t *rates = json_object(), *errors = json_object();
-    double error = 0;
+    double error = r->error;
     for (size_t k = 0; k < r->ratio_count; k++) {
         const bench_ratio *x = &r->ratio[k];
         json_object_set_new(ratio, x->name, json_real(x->median));
         json_object_set_new(quartiles, x->name, json_pack("[f, f]", x->low, x->high));
         json_object_set_new(rates, x->name, json_real(x->rate));
         json_object_set_new(errors, x->name, json_real(x->error));
-        error = fmax(error, x->error);
+        if (!r->truth)
+            error = fmax(error, x->error);
     }
     return json_pack("{s:s, s:f, s:s, s:f, s:s, s:o, s:o, s:o, s:o, s:i}", "name", name, "rate",
                      r->rate, "unit", r->unit, "error", error, "error_of", r->error_of, "ratio",
@@ -100,6 +107,11 @@ static void say_result(const app *a, const char *name, const bench_result *r)
             (size_t)snprintf(ratios + used, sizeof ratios - used, "  / %s = %.3g (%.3g to %.3g)",
                              x->name, x->median, x->low, x->high);
     }
+    if (r->truth && used < sizeof ratios)
+        used += (size_t)snprintf(ratios + used, sizeof ratios - used, "  error %.2g", r->error);
+    for (size_t k = 0; r->truth && k < r->ratio_count && used < sizeof ratios; k++)
+        used += (size_t)snprintf(ratios + used, sizeof ratios - used, " (%s %.2g)",
+                                 r->ratio[k].name, r->ratio[k].error);
     app_say(a, "%-22s %9.4g %-9s%s", name, r->rate, r->unit, ratios);
 }
 

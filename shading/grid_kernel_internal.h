@@ -12,6 +12,7 @@
 #include "shading/wide_internal.h"
 
 #include <math.h>
+#include <string.h>
 
 /* atan2(y, x) for y >= 0, x and y not both 0: relative error below 3e-7. */
 ALWAYS float angle_of(float y, float x)
@@ -77,6 +78,18 @@ ALWAYS void weigh(const ncr_sphere_grid *grid, float x, float y, grid_weights *o
         out->wide[j] = polynomial(grid->wide + j * LANES, row, sx);
 }
 
+typedef float texel_value __attribute__((vector_size(16)));
+
+/* The sum of the texels in a register. */
+ALWAYS void store_texel(vf texels, float *out)
+{
+    texel_value part[LANES / 4];
+    memcpy(part, &texels, sizeof part);
+    for (int i = 1; i < LANES / 4; i++)
+        part[0] += part[i];
+    memcpy(out, part, sizeof part[0]);
+}
+
 /* Rows are blended first, eight texels of four channels at once, then the texels. */
 static void sample_grid(const ncr_sphere_grid *grid, size_t count, const ncr_vec3 *directions,
                         float *out)
@@ -94,12 +107,7 @@ static void sample_grid(const ncr_sphere_grid *grid, size_t count, const ncr_vec
                 sum[j] = vf_mad(vf_all(w.tall[i]), vf_load(at + j * LANES), sum[j]);
         for (int j = 0; j < parts; j++)
             total = vf_mad(w.wide[j], sum[j], total);
-        for (int c = 0; c < 4; c++) {
-            float value = 0;
-            for (int i = c; i < LANES; i += 4)
-                value += total[i];
-            out[4 * k + (size_t)c] = value;
-        }
+        store_texel(total, out + 4 * k);
     }
 }
 

@@ -21,7 +21,7 @@ static void mean_of_row(const ncr_directional_map *map, uint32_t y, float *out)
 static void place_to_disc(uint32_t n, uint32_t x, uint32_t y, bool *cut, bool *beyond)
 {
     const double ax = fabs(2.0 * x + 1 - n), ay = fabs(2.0 * y + 1 - n); /* centre, halves */
-    const double nx = fmax(ax - 1, 0), ny = fmax(ay - 1, 0), r2 = (double)n * n;
+    const double nx = ax > 1 ? ax - 1 : 0, ny = ay > 1 ? ay - 1 : 0, r2 = (double)n * n;
     *beyond = nx * nx + ny * ny >= r2;
     *cut = !*beyond && (ax + 1) * (ax + 1) + (ay + 1) * (ay + 1) > r2;
 }
@@ -31,6 +31,15 @@ static bool beyond_disc(uint32_t n, uint32_t x, uint32_t y)
     bool cut, beyond;
     place_to_disc(n, x, y, &cut, &beyond);
     return beyond;
+}
+
+void ncr_map_row_span(ncr_map_kind kind, uint32_t size, uint32_t y, uint32_t *first, uint32_t *past)
+{
+    const bool disc = kind == NCR_MAP_SPHERE || kind == NCR_MAP_PARABOLOID;
+    *first = 0;
+    while (disc && 2 * *first < size && beyond_disc(size, *first, y))
+        ++*first;
+    *past = ncr_map_part_width(kind, size) - *first;
 }
 
 /* The rim of the sphere is one direction: the mean of the texels that it cuts. */
@@ -49,10 +58,14 @@ static void seal_sphere(ncr_directional_map *map)
     }
     for (uint32_t c = 0; c < channels; c++)
         map->pole[0][c] = map->pole[1][c] = (float)(sum[c] / weight);
-    for (uint32_t y = 0; y < n; y++)
-        for (uint32_t x = 0; x < n; x++)
-            if (beyond_disc(n, x, y))
-                memcpy(ncr_image_at(&map->image, x, y), map->pole[0], channels * sizeof(float));
+    for (uint32_t y = 0; y < n; y++) {
+        uint32_t first, past;
+        ncr_map_row_span(map->kind, n, y, &first, &past);
+        for (uint32_t x = 0; x < first; x++) {
+            memcpy(ncr_image_at(&map->image, x, y), map->pole[0], channels * sizeof(float));
+            memcpy(ncr_image_at(&map->image, past + x, y), map->pole[0], channels * sizeof(float));
+        }
+    }
 }
 
 /* Bilinear among those of four texels of a half that touch its disc; at least one does. */
@@ -62,14 +75,17 @@ static void look_inside(const ncr_directional_map *map, uint32_t part, double s,
     const int32_t last = (int32_t)map->size - 1;
     const uint32_t channels = map->image.channels;
     const ncr_map_tap p = ncr_map_tap_at(map, s, t);
+    const double rim = 1 - 4.0 / map->size; /* two texels inside it there is none beyond it */
+    const bool deep = rim > 0 && s * s + t * t < rim * rim;
+    const double fx = (double)p.fx, fy = (double)p.fy;
     double sum[NCR_MAP_CHANNELS] = {0}, weight = 0;
     for (int k = 0; k < 4; k++) {
         const int32_t x = p.x + (k & 1), y = p.y + (k >> 1);
-        const double w = (double)(k & 1 ? p.fx : 1 - p.fx) * (double)(k & 2 ? p.fy : 1 - p.fy);
-        if (x < 0 || y < 0 || x > last || y > last || w <= 0 ||
-            beyond_disc(map->size, (uint32_t)x, (uint32_t)y))
+        const double w = (k & 1 ? fx : 1 - fx) * (k & 2 ? fy : 1 - fy);
+        if (!deep && (x < 0 || y < 0 || x > last || y > last || w <= 0 ||
+                      beyond_disc(map->size, (uint32_t)x, (uint32_t)y)))
             continue;
-        const float *texel = ncr_directional_map_at(map, part, (uint32_t)x, (uint32_t)y);
+        const float *texel = ncr_image_at(&map->image, part * map->size + (uint32_t)x, (uint32_t)y);
         for (uint32_t c = 0; c < channels; c++)
             sum[c] += w * (double)texel[c];
         weight += w;
@@ -91,11 +107,15 @@ static void look_beyond(const ncr_directional_map *map, uint32_t part, int32_t x
 static void seal_paraboloid(ncr_directional_map *map)
 {
     for (uint32_t part = 0; part < 2; part++)
-        for (uint32_t y = 0; y < map->size; y++)
-            for (uint32_t x = 0; x < map->size; x++)
-                if (beyond_disc(map->size, x, y))
-                    look_beyond(map, part, (int32_t)x, (int32_t)y,
-                                ncr_directional_map_at(map, part, x, y));
+        for (uint32_t y = 0; y < map->size; y++) {
+            uint32_t first, past;
+            ncr_map_row_span(map->kind, map->size, y, &first, &past);
+            for (uint32_t k = 0; k < 2 * first; k++) {
+                const uint32_t x = k < first ? k : past + k - first;
+                look_beyond(map, part, (int32_t)x, (int32_t)y,
+                            ncr_directional_map_at(map, part, x, y));
+            }
+        }
 }
 
 void ncr_directional_map_seal(ncr_directional_map *map)

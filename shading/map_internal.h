@@ -20,4 +20,9 @@ static inline ncr_map_tap ncr_map_tap_at(const ncr_directional_map *map, double 
     return (ncr_map_tap){(int32_t)fx, (int32_t)fy, (float)(x - fx), (float)(y - fy)};
 }
 
+/* Texels first <= x < past of row y of a part are those that touch its disc; all, where the kind has
+ * none. ncr_directional_map_seal overwrites the others. */
+void ncr_map_row_span(ncr_map_kind kind, uint32_t size, uint32_t y, uint32_t *first,
+                      uint32_t *past);
+
 #endif

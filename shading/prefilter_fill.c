@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 #include "core/vec_internal.h"
+#include "shading/map_internal.h"
 #include "shading/prefilter_internal.h"
 
 #include <math.h>
@@ -20,38 +21,89 @@ typedef struct fill_job {
     float *peak;
 } fill_job;
 
-static void finish_texel(const fill_job *job, size_t chunk, double area, float *value)
+/* The largest magnitude: as integers, floats without their sign are in the same order. */
+static float peak_of(const float *value, size_t count)
 {
-    for (uint32_t c = 0; c < job->map->image.channels; c++) {
-        if (job->clamp && value[c] < 0) {
-            job->clamped[chunk]++;
-            job->added[chunk] -= area * (double)value[c];
-            value[c] = 0;
-        }
-        job->peak[chunk] = fmaxf(job->peak[chunk], fabsf(value[c]));
+    uint32_t most = 0;
+    for (size_t k = 0; k < count; k++) {
+        uint32_t bits;
+        memcpy(&bits, value + k, sizeof bits);
+        bits &= 0x7fffffff;
+        most = bits > most ? bits : most;
+    }
+    float peak;
+    memcpy(&peak, &most, sizeof peak);
+    return peak;
+}
+
+/* From the map's axes to the prefilter's. */
+static void turn(const fill_job *job, double d[3])
+{
+    double world[3];
+    ncr_axes_undo(job->map->axes, d, world);
+    ncr_axes_apply(job->prefilter->info.axes, world, d);
+}
+
+/* Where some texels of a part's row look. */
+static void find_directions(const fill_job *job, uint32_t x, uint32_t y, uint32_t count,
+                            ncr_vec3 *out)
+{
+    const uint32_t w = job->texels.part_w;
+    double curve[3][3], d[3];
+    const bool curved = ncr_texels_curve(&job->texels, x, y, curve);
+    for (int i = 0; curved && i < 3; i++)
+        turn(job, curve[i]);
+    for (uint32_t k = 0; curved && k < count; k++) {
+        const double s = (2.0 * (x % w + k) + 1) / w - 1;
+        for (int c = 0; c < 3; c++)
+            d[c] = curve[0][c] + s * (curve[1][c] + s * curve[2][c]);
+        out[k] = d_to_v(d);
+    }
+    for (uint32_t k = 0; !curved && k < count; k++) {
+        ncr_texels_at(&job->texels, x + k, y, d);
+        turn(job, d);
+        out[k] = d_to_v(d);
     }
 }
 
+static void clamp_texel(const fill_job *job, size_t chunk, uint32_t x, uint32_t y)
+{
+    double d[3];
+    float *value = ncr_image_at(&job->map->image, x, y);
+    for (uint32_t c = 0; c < job->map->image.channels; c++) {
+        if (!(value[c] < 0))
+            continue;
+        job->clamped[chunk]++;
+        job->added[chunk] -= ncr_texels_at(&job->texels, x, y, d) * (double)value[c];
+        value[c] = 0;
+    }
+}
+
+/* Texels [x, past) of a part's row. */
+static void fill_span(const fill_job *job, size_t chunk, uint32_t x, uint32_t past, uint32_t y)
+{
+    const uint32_t channels = job->map->image.channels;
+    ncr_vec3 direction[NCR_GRID_BATCH];
+    for (uint32_t count; x < past; x += count) {
+        float *out = ncr_image_at(&job->map->image, x, y);
+        count = past - x < NCR_GRID_BATCH ? past - x : NCR_GRID_BATCH;
+        find_directions(job, x, y, count, direction);
+        ncr_prefilter_grid_sample(job->grid, count, direction, out);
+        for (uint32_t k = 0; job->clamp && k < count; k++)
+            clamp_texel(job, chunk, x + k, y);
+        const float peak = peak_of(out, count * channels);
+        job->peak[chunk] = peak > job->peak[chunk] ? peak : job->peak[chunk];
+    }
+}
+
+/* Texels beyond the discs of sphere and paraboloid are left to ncr_directional_map_seal. */
 static void fill_row(const fill_job *job, size_t chunk, uint32_t y)
 {
-    const ncr_image *image = &job->map->image;
-    ncr_vec3 direction[NCR_GRID_BATCH];
-    double area[NCR_GRID_BATCH];
-    for (uint32_t first = 0; first < image->width; first += NCR_GRID_BATCH) {
-        const uint32_t left = image->width - first;
-        const uint32_t count = left < NCR_GRID_BATCH ? left : NCR_GRID_BATCH;
-        float *out = ncr_image_at(image, first, y);
-        for (uint32_t k = 0; k < count; k++) {
-            double own[3], world[3];
-            area[k] = ncr_texels_at(&job->texels, first + k, y, own);
-            ncr_axes_undo(job->map->axes, own, world);
-            ncr_axes_apply(job->prefilter->info.axes, world, own);
-            direction[k] = d_to_v(own);
-        }
-        ncr_prefilter_grid_sample(job->grid, count, direction, out);
-        for (uint32_t k = 0; k < count; k++)
-            finish_texel(job, chunk, area[k], out + k * image->channels);
-    }
+    const uint32_t w = job->texels.part_w;
+    uint32_t first, past;
+    ncr_map_row_span(job->map->kind, job->map->size, y % job->texels.part_h, &first, &past);
+    for (uint32_t part = 0; part < job->map->image.width; part += w)
+        fill_span(job, chunk, part + first, part + past, y);
 }
 
 static void fill_rows(size_t first, size_t past, unsigned worker, void *arg)
@@ -107,15 +159,6 @@ static ncr_status fill_by_look_up(const ncr_ctx *ctx, const ncr_prefilter *p, co
     return status;
 }
 
-static double peak_of(const ncr_image *image)
-{
-    const size_t count = (size_t)image->width * image->height * image->channels;
-    float peak = 0;
-    for (size_t k = 0; k < count; k++)
-        peak = fmaxf(peak, fabsf(image->data[k]));
-    return (double)peak;
-}
-
 ncr_status ncr_prefilter_fill(const ncr_ctx *ctx, const ncr_prefilter *p, const ncr_lobe *lobe,
                               const ncr_prefilter_output *opts, ncr_directional_map *map,
                               ncr_prefilter_report *report)
@@ -130,7 +173,10 @@ ncr_status ncr_prefilter_fill(const ncr_ctx *ctx, const ncr_prefilter *p, const 
     if (map->kind == NCR_MAP_LATLONG && along) {
         status = ncr_prefilter_equirect(ctx, p, lobe, opts, &map->image, report);
         if (!status && report)
-            report->rounding = rounding_of_peak * peak_of(&map->image);
+            report->rounding =
+                rounding_of_peak *
+                (double)peak_of(map->image.data,
+                                (size_t)map->image.width * map->image.height * map->image.channels);
     } else {
         status = fill_by_look_up(ctx, p, lobe, opts, map, report);
     }

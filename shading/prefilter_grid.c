@@ -110,6 +110,17 @@ static double resampling_error(const ncr_prefilter *p, const ncr_filter *filter,
     return sqrt(square / (4 * pi));
 }
 
+/* Texels of so many channels, to four. */
+static void widen(const float *in, size_t count, uint32_t channels, float *out)
+{
+    for (size_t k = 0; channels == 3 && k < count; k++)
+        for (size_t c = 0; c < 3; c++)
+            out[4 * k + c] = in[3 * k + c];
+    for (size_t k = 0; channels != 3 && k < count; k++)
+        for (size_t c = 0; c < channels; c++)
+            out[4 * k + c] = in[channels * k + c];
+}
+
 /* Four channels for each texel, and the rows and columns that lie over the edges: columns go round,
  * rows beyond a pole are those half a turn away. */
 static void spread_texels(const ncr_image *map, ncr_image *out)
@@ -118,10 +129,10 @@ static void spread_texels(const ncr_image *map, ncr_image *out)
     for (uint32_t y = 0; y < out->height; y++) {
         const bool above = y < b, below = y >= h + b;
         const uint32_t row = above ? b - 1 - y : below ? 2 * h + b - 1 - y : y - b;
-        const uint32_t turn = above || below ? w / 2 : 0;
-        for (uint32_t x = 0; x < out->width; x++) {
-            const float *in = ncr_image_at(map, (x + 2 * w - b + turn) % w, row);
-            memcpy(ncr_image_at(out, x, y), in, map->channels * sizeof *in);
+        uint32_t from = (2 * w - b + (above || below ? w / 2 : 0)) % w;
+        for (uint32_t x = 0, count; x < out->width; x += count, from = 0) {
+            count = w - from < out->width - x ? w - from : out->width - x;
+            widen(ncr_image_at(map, from, row), count, map->channels, ncr_image_at(out, x, y));
         }
     }
 }

@@ -1,9 +1,11 @@
 /* SPDX-License-Identifier: MIT */
 #include "shading/texels_internal.h"
 
+#include "shading/cube.h"
 #include "shading/harmonics.h"
 
 #include <math.h>
+#include <string.h>
 
 static const double pi = 3.14159265358979323846;
 
@@ -70,6 +72,26 @@ double ncr_texels_at(const ncr_texels *t, uint32_t x, uint32_t y, double d[3])
     const ncr_map_coord at = {part, 2 * (x % w + 0.5) / w - 1, 2 * (y % h + 0.5) / h - 1};
     ncr_map_to_direction(t->kind, at, d);
     return ncr_map_texel_solid_angle(t->kind, h, x % w, y % h);
+}
+
+bool ncr_texels_curve(const ncr_texels *texels, uint32_t x, uint32_t y, double curve[3][3])
+{
+    const double t = 2 * (y % texels->part_h + 0.5) / texels->part_h - 1;
+    memset(curve, 0, 9 * sizeof(double));
+    if (texels->kind == NCR_MAP_CUBE) {
+        double right[3];
+        ncr_cube_to_direction_d(y / texels->part_h, 0, t, curve[0]);
+        ncr_cube_to_direction_d(y / texels->part_h, 1, t, right);
+        for (int c = 0; c < 3; c++)
+            curve[1][c] = right[c] - curve[0][c];
+    } else if (texels->kind == NCR_MAP_PARABOLOID) {
+        const double side = x < texels->part_w ? 1 : -1;
+        curve[0][1] = -2 * t;
+        curve[0][2] = side * (1 - t * t);
+        curve[1][0] = 2;
+        curve[2][2] = -side;
+    }
+    return texels->kind == NCR_MAP_CUBE || texels->kind == NCR_MAP_PARABOLOID;
 }
 
 int ncr_texels_around(const ncr_texels *t, uint32_t texel, uint32_t out[8])

@@ -26,6 +26,11 @@ void ncr_texels_dispose(const ncr_ctx *ctx, ncr_texels *texels);
 /* One texel: its solid angle, 0 beyond the discs of sphere and paraboloid, and its direction. */
 double ncr_texels_at(const ncr_texels *texels, uint32_t x, uint32_t y, double direction[3]);
 
+/* Where the texels of row y from x on look, to the end of their part, as a curve in the place s on
+ * it: curve[0] + s (curve[1] + s curve[2]), of no certain length. False for the kinds that have
+ * none. */
+bool ncr_texels_curve(const ncr_texels *texels, uint32_t x, uint32_t y, double curve[3][3]);
+
 /* The texels around one that lie on the same part; returns how many, at most 8. */
 int ncr_texels_around(const ncr_texels *texels, uint32_t texel, uint32_t out[8]);
 
