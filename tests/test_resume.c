@@ -4,6 +4,7 @@
 #include "made_field.h"
 
 #include <signal.h>
+#include <sys/resource.h>
 #include <sys/wait.h>
 #include <time.h>
 
@@ -290,6 +291,50 @@ static void a_call_that_fails_leaves_the_earlier_field(void **state)
     dispose(&two);
 }
 
+static void every_file_is_on_the_disk_before_it_takes_its_place(void **state)
+{
+    (void)state;
+    made_field f = make_resumable(8, NCR_TEXEL_HALF, true, 39);
+    synced_count = 0;
+    renamed_synced = renamed_unsynced = 0;
+    CHECK_STATUS(NCR_OK, bake(&f, file_at("synced.field").text, NULL));
+    assert_int_equal(renamed_unsynced, 0);
+    CHECK(renamed_synced >= name_count + 1, "%d", renamed_synced); /* and the folder */
+    dispose(&f);
+}
+
+/* No file may grow past ever larger limits, as on a disk that is full. */
+static void a_full_disk_leaves_the_earlier_field(void **state)
+{
+    (void)state;
+    made_field one = make_resumable(8, NCR_TEXEL_HALF, false, 40);
+    made_field two = make_resumable(8, NCR_TEXEL_HALF, false, 41);
+    const file_path p = file_at("full.field"), copy = file_at("one.field");
+    CHECK_STATUS(NCR_OK, bake(&one, copy.text, NULL));
+    CHECK_STATUS(NCR_OK, bake(&one, p.text, NULL));
+    struct rlimit before, small;
+    assert_int_equal(getrlimit(RLIMIT_FSIZE, &before), 0);
+    signal(SIGXFSZ, SIG_IGN);
+    ncr_status status = NCR_E_IO;
+    int failed = 0;
+    two.info.fresh = true;
+    for (rlim_t bytes = 1; status == NCR_E_IO; bytes += 1 + bytes / 2, failed++) {
+        small = (struct rlimit){.rlim_cur = bytes, .rlim_max = before.rlim_max};
+        assert_int_equal(setrlimit(RLIMIT_FSIZE, &small), 0);
+        files_report[0] = 0;
+        status = bake(&two, p.text, NULL);
+        assert_int_equal(setrlimit(RLIMIT_FSIZE, &before), 0);
+        if (status != NCR_OK) {
+            expect_same_files(copy.text, p.text);
+            assert_true(strlen(files_report) > 10);
+        }
+    }
+    CHECK_STATUS(NCR_OK, status);
+    CHECK(failed > 8, "only %d", failed);
+    dispose(&one);
+    dispose(&two);
+}
+
 /* Memory that runs out at every n-th request of the bake that goes on: nothing is held, the earlier
  * field stays, and what was kept is not lost by it. */
 static void refused_memory_loses_nothing_of_what_was_kept(void **state)
@@ -335,6 +380,8 @@ int main(void)
         cmocka_unit_test(tiles_of_another_bake_are_not_taken),
         cmocka_unit_test(a_bake_left_off_goes_on),
         cmocka_unit_test(a_call_that_fails_leaves_the_earlier_field),
+        cmocka_unit_test(every_file_is_on_the_disk_before_it_takes_its_place),
+        cmocka_unit_test(a_full_disk_leaves_the_earlier_field),
         cmocka_unit_test(refused_memory_loses_nothing_of_what_was_kept),
     };
     return cmocka_run_group_tests(tests, files_make_folder, files_remove_folder);
