@@ -279,8 +279,8 @@ static void field_facts(experiments *x, const lab_field *f)
         "%u; buried %u, short of four points %u, uncovered %u, violating free space %u",
         r->total.texels, r->total.buried, r->total.short_of_four, r->total.uncovered,
         r->total.blocked);
-    report_page_fact(x->page, REPORT_TIMINGS, "light in memory", "%.1f MB",
-                     1e-6 * (double)ncr_lightfield_bytes(f->light));
+    report_page_fact(x->page, REPORT_TIMINGS, f->stored.source ? "light" : "light in memory",
+                     "%.1f MB", 1e-6 * (double)ncr_lightfield_bytes(f->light));
     report_page_fact(x->page, REPORT_TIMINGS, "seconds", "place %.2f, maps %.2f, capture %.2f",
                      r->seconds.place, r->seconds.maps, r->seconds.capture);
     report_page_fact(x->page, REPORT_TIMINGS, "rays", "%.1f million view, %.1f million shadow",

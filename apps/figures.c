@@ -111,6 +111,20 @@ static ncr_status atlas_figure(experiments *x, const lab_field *f)
     return status;
 }
 
+static uint32_t nearest_to_eye(const lab *l, const ncr_points *points)
+{
+    double least = INFINITY, to[3];
+    uint32_t nearest = 0;
+    for (size_t k = 0; k < points->count; k++) {
+        d_sub(points->at[k].position, l->v.camera->eye, to);
+        if (d_dot(to, to) < least) {
+            least = d_dot(to, to);
+            nearest = (uint32_t)k;
+        }
+    }
+    return nearest;
+}
+
 /* Figure 3.4: a captured cube, unfolded as a cross. */
 static ncr_status cube_figure(experiments *x, const lab_field *f)
 {
@@ -120,14 +134,15 @@ static ncr_status cube_figure(experiments *x, const lab_field *f)
     ncr_status status = ncr_image_init(&x->l->a->ctx, 4 * n, 3 * n, 3, &cross);
     if (status != NCR_OK)
         return status;
-    const uint32_t point = (uint32_t)(f->baked.points.count / 2);
+    const uint32_t point = nearest_to_eye(x->l, &f->baked.points);
     for (uint32_t face = 0; face < 6; face++)
         for (uint32_t y = 0; y < n; y++)
             for (uint32_t i = 0; i < n; i++)
                 ncr_lightfield_texel(f->light, point, face, i, y,
                                      ncr_image_at(&cross, column[face] * n + i, row[face] * n + y),
                                      NULL);
-    status = report_page_image(x->page, REPORT_FIGURES, "The light captured at one point, unfolded",
+    status = report_page_image(x->page, REPORT_FIGURES,
+                               "The light captured at the point nearest to the eye, unfolded",
                                "six faces of a cube laid out as a cross", &cross, x->l->exposure);
     ncr_image_dispose(&x->l->a->ctx, &cross);
     return status;

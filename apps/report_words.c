@@ -14,7 +14,7 @@ static const struct words {
      "The reflection alone, by every method. An environment map sees the surroundings from one "
      "place; a light field sees them from beside each texel."},
     {"epsilon", "How far above the surface the points are",
-     "Low points see the surface nearly as it sees itself; high ones leak less at the horizon."},
+     "The same number of cubes from points at two heights."},
     {"horizon", "With and without the 65 degree rule (Figure 6.1)",
      "Without it, points near a pixel's horizon are read where they see the surface edge on."},
     {"occlusion", "With and without the occlusion test",
