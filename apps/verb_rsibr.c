@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: MIT
  * verb_rsibr.c - nacre rsibr: radiance maps of a material for a few eyes. */
+#include "apps/import_ball.h"
 #include "apps/map_words.h"
 #include "apps/verbs.h"
 
@@ -10,6 +11,7 @@ typedef struct rsibr_options {
     const char *light, *folder, *brdf, *from, *from_up;
     uint32_t views, size;
     bool raw, single;
+    import_ball_options ball;
 } rsibr_options;
 
 /* Everything it holds; closed as one. */
@@ -134,10 +136,20 @@ int verb_rsibr(int argc, char **argv)
          "how MAP lies, or KIND:CONVENTION (default: as it says)"},
         {"--from-up", 0, OPTION_TEXT, &o.from_up, "AXIS",
          "which axis is up in MAP: z (default) or y"},
+        {"--import-ball", 0, OPTION_FLAG, &o.ball.on, NULL,
+         "MAP is a picture of a mirror ball: write the light it shows to -o FILE"},
+        {"--circle", 0, OPTION_TEXT, &o.ball.circle, "X,Y,R",
+         "its outline in pixels (default: found, on black or transparent ground)"},
+        {"--distance", 0, OPTION_NUMBER, &o.ball.distance, "D",
+         "of the camera from its centre, in radii (default: far off)"},
+        {"--view", 0, OPTION_TEXT, &o.ball.view, "X,Y,Z", "toward the camera (default 0,1,0)"},
+        {"--reflectance", 0, OPTION_NUMBER, &o.ball.reflectance, "P", "of the ball (default 1)"},
+        {"--to", 0, OPTION_TEXT, &o.ball.to, "KIND", "kind of map to write (default cube)"},
         APP_OPTIONS(&o.common),
     };
     const command_line line = {
-        .usage = "nacre rsibr MAP|SCENE --brdf NAME[:N] -o FOLDER [options]",
+        .usage = "nacre rsibr MAP|SCENE --brdf NAME[:N] -o FOLDER [options]\n"
+                 "       nacre rsibr PICTURE --import-ball -o FILE [options]",
         .summary = "Compute what a material reflects toward a few eyes, to be warped for others.",
         .example =
             "nacre rsibr data/scenes/trio.json --brdf car-paint -o out/paint\n"
@@ -155,9 +167,13 @@ int verb_rsibr(int argc, char **argv)
         return command_line_missing("MAP");
     if (!o.folder)
         return command_line_missing("-o FOLDER");
-    if (!o.brdf)
+    if (!o.brdf && !o.ball.on)
         return command_line_missing("--brdf NAME");
     app_begin(&o.common);
+    if (o.ball.on)
+        return app_exit_code(o.brdf ? ncr_fail(&o.common.ctx, NCR_E_ARG,
+                                               "--import-ball writes a map, of no material")
+                                    : import_ball(&o.common, &o.ball, o.light, o.size, o.folder));
     rsibr_job job = {.o = &o};
     const ncr_status status = run(&job);
     ncr_rsibr_dispose(&o.common.ctx, &job.set);
