@@ -78,7 +78,7 @@ ncr_status ncr_view_sphere_init(const ncr_ctx *ctx, uint32_t view_count, ncr_vie
     *out = (ncr_view_sphere){0};
     if (level < 0)
         return ncr_fail(ctx, NCR_E_ARG, "%u views: 12, 42, 162 or 642", view_count);
-    ncr_view_sphere s = {.view_count = root_views, .face_count = root_faces << 2 * level};
+    ncr_view_sphere s = {.view_count = root_views, .face_count = (uint32_t)root_faces << 2 * level};
     s.view = ncr_alloc(ctx, view_count * sizeof *s.view);
     s.tree = ncr_alloc(ctx, faces_above(level + 1) * sizeof *s.tree);
     if (!s.view || !s.tree) {
