@@ -49,7 +49,8 @@ ALWAYS_INLINE void find_addresses(const texel_layout *in, const lookup_row *at,
         address[k] = in->texels + point[k] * in->point + (uint32_t)at->first[k] * in->texel;
 }
 
-/* Start fetching texels that no cache is likely to hold, all of a row at once. Look-ups close
+/* Start fetching texels that no cache is likely to hold, all of a row at once: for every other
+ * look-up, since neighbours mostly share lines. Look-ups close
  * together share lines and need no asking. */
 ALWAYS_INLINE void ask_for(const texel_layout *in, const uint64_t *address)
 {
@@ -60,11 +61,10 @@ ALWAYS_INLINE void ask_for(const texel_layout *in, const uint64_t *address)
     }
     if (!in->far || high - low < near_bytes)
         return;
-    for (size_t k = 0; k < LOOKUP_ROW; k += 4)
-        for (size_t i = k; i < k + 4; i++) {
-            _mm_prefetch((const char *)(uintptr_t)address[i], _MM_HINT_T0);
-            _mm_prefetch((const char *)(uintptr_t)(address[i] + in->row), _MM_HINT_T0);
-        }
+    for (size_t k = 0; k < LOOKUP_ROW; k += 2) {
+        _mm_prefetch((const char *)(uintptr_t)address[k], _MM_HINT_T0);
+        _mm_prefetch((const char *)(uintptr_t)(address[k] + in->row), _MM_HINT_T0);
+    }
 }
 
 ALWAYS_INLINE corners load_corners(const texel_layout *in, bool half, uint64_t address)

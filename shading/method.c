@@ -132,9 +132,10 @@ typedef struct shade_call {
 } shade_call;
 
 /* L = recon + C_s reflect                                                            [T 4.12] */
-static void shade_run(const shade_call *call, ncr_run *run, ncr_shade_stats *stats)
+static void shade_run(const shade_call *call, ncr_run *run, size_t next, ncr_shade_stats *stats)
 {
     ncr_run_complete(&call->job, run);
+    ncr_run_fetch(call->job.gbuffer, next, 2);
     stats->shaded += run->count;
 
     ncr_rows recon;
@@ -175,18 +176,22 @@ typedef struct run_pair {
     unsigned filling;
 } run_pair;
 
-/* The run that was filled asks for its texels; the one before it is shaded and filled next. */
-static void turn_over(const shade_call *call, run_pair *pair, ncr_shade_stats *stats)
+/* The run that was filled asks for its texels; the one before it is shaded, and filled next, from
+ * pixel `next` on. */
+static void turn_over(const shade_call *call, run_pair *pair, size_t next, ncr_shade_stats *stats)
 {
+    ncr_run_fetch(call->job.gbuffer, next, 0);
     const ncr_run *filled = &pair->run[pair->filling];
     ncr_run_ask(&call->job, &pair->run[pair->filling]);
     for (size_t k = 0; k < filled->count; k += 5) /* five pixels are 60 bytes */
         __builtin_prefetch(call->image->data + 3 * (size_t)filled->pixel[k], 1);
+    ncr_run_fetch(call->job.gbuffer, next, 1);
     pair->filling ^= 1;
     ncr_run *before = &pair->run[pair->filling];
     if (before->count)
-        shade_run(call, before, stats);
+        shade_run(call, before, next, stats);
     before->count = 0;
+    ncr_run_fetch(call->job.gbuffer, next, 3);
 }
 
 static void shade_chunk(size_t begin, size_t end, unsigned worker, void *arg)
@@ -204,11 +209,11 @@ static void shade_chunk(size_t begin, size_t end, unsigned worker, void *arg)
             ncr_run *run = &pair.run[pair.filling];
             k += ncr_run_add(call->job.gbuffer, k, last, run);
             if (run->count == NCR_RUN)
-                turn_over(call, &pair, stats);
+                turn_over(call, &pair, k, stats);
         }
     }
-    turn_over(call, &pair, stats);
-    turn_over(call, &pair, stats);
+    turn_over(call, &pair, end, stats);
+    turn_over(call, &pair, end, stats);
 }
 
 static ncr_status check_distant(const ncr_ctx *ctx, const ncr_method *method,

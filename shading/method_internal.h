@@ -7,7 +7,8 @@
 #include "shading/blend.h"
 #include "shading/method.h"
 
-enum { NCR_RUN = NCR_TRACE_BATCH, NCR_CANDIDATES = 4 };
+/* Pixels of a run: few enough that two runs stay in the first cache. */
+enum { NCR_RUN = NCR_TRACE_BATCH / 2, NCR_CANDIDATES = 4 };
 
 /* One vector per pixel of a run. */
 typedef struct ncr_rows {
@@ -30,7 +31,7 @@ static inline void ncr_rows_set(ncr_rows *rows, size_t k, ncr_vec3 value)
     rows->at[2][k] = value.z;
 }
 
-/* Up to 256 pixels of the object, packed together, structure of arrays. Methods read everything
+/* Up to NCR_RUN pixels of the object, packed together, structure of arrays. Methods read everything
  * above `rgb` and write rgb. */
 typedef struct ncr_run {
     size_t count;
@@ -117,6 +118,9 @@ ncr_shade_fn ncr_reflect_rsibr; /* method_rsibr.c */
 
 /* Add neighbouring pixels [begin, end) to a run, as many as there is room for; returns how many. */
 size_t ncr_run_add(const ncr_gbuffer *gbuffer, size_t begin, size_t end, ncr_run *run);
+
+/* Start fetching a quarter, 0 to 3, of what the pixels from `begin` on need of the G-buffer. */
+void ncr_run_fetch(const ncr_gbuffer *gbuffer, size_t begin, unsigned quarter);
 
 /* Find a full run's texels in the sample map and start fetching them: done a run ahead, since they
  * lie far apart. */

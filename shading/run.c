@@ -13,13 +13,19 @@ const ncr_run_kernels *ncr_run_kernels_here(void)
     return by_level[ncr_cpu_level()];
 }
 
-/* Copy a piece of one of the G-buffer's arrays, and ask for what the next run will need of it: a
- * dozen streams, each read a piece at a time, are more than processors foresee. */
-static void take(const void *from, size_t bytes, void *to)
+/* A dozen streams, each read a piece at a time, are more than processors foresee; and asked for all
+ * at once they would have to be waited for. */
+void ncr_run_fetch(const ncr_gbuffer *g, size_t begin, unsigned quarter)
 {
-    memcpy(to, from, bytes);
-    for (size_t k = 0; k < bytes; k += 64)
-        __builtin_prefetch((const char *)from + NCR_RUN * sizeof(float) + k);
+    const void *const arrays[4][3] = {{g->patch, g->u, g->v},
+                                      {g->px, g->py, g->pz},
+                                      {g->nx, g->ny, g->nz},
+                                      {g->vx, g->vy, g->vz}};
+    for (int i = 0; i < 3; i++) {
+        const char *from = (const char *)arrays[quarter][i] + begin * sizeof(float);
+        for (size_t k = 0; k < NCR_RUN * sizeof(float); k += 64)
+            __builtin_prefetch(from + k);
+    }
 }
 
 size_t ncr_run_add(const ncr_gbuffer *g, size_t begin, size_t end, ncr_run *run)
@@ -30,13 +36,13 @@ size_t ncr_run_add(const ncr_gbuffer *g, size_t begin, size_t end, ncr_run *run)
     const float *v[3] = {g->vx, g->vy, g->vz};
     for (size_t k = 0; k < count; k++)
         run->pixel[at + k] = (uint32_t)(begin + k);
-    take(g->patch + begin, bytes, run->patch + at);
-    take(g->u + begin, bytes, run->u + at);
-    take(g->v + begin, bytes, run->v + at);
+    memcpy(run->patch + at, g->patch + begin, bytes);
+    memcpy(run->u + at, g->u + begin, bytes);
+    memcpy(run->v + at, g->v + begin, bytes);
     for (int c = 0; c < 3; c++) {
-        take(x[c] + begin, bytes, run->x.at[c] + at);
-        take(n[c] + begin, bytes, run->n.at[c] + at);
-        take(v[c] + begin, bytes, run->r.at[c] + at); /* the view, until it is reflected */
+        memcpy(run->x.at[c] + at, x[c] + begin, bytes);
+        memcpy(run->n.at[c] + at, n[c] + begin, bytes);
+        memcpy(run->r.at[c] + at, v[c] + begin, bytes); /* the view, until it is reflected */
     }
     run->count += count;
     return count;
