@@ -127,6 +127,24 @@ static void a_dent_is_found(void **state)
     }
 }
 
+/* A bowl of a twentieth of the radius at the pole of a body that is convex elsewhere. */
+static void a_dimple_is_found(void **state)
+{
+    (void)state;
+    const double k = 0.5519150244935105707435627, r = 0.05;
+    const ncr_profile parts[3] = {
+        {{0, -1}, {k, -1}, {1, -k}, {1, 0}},
+        {{1, 0}, {1, k}, {k + r, 1}, {r, 1}},
+        {{r, 1}, {2 * r / 3, 1 - .3 * r}, {r / 3, 1 - .6 * r}, {0, 1 - .6 * r}}};
+    double nets[12][16][3];
+    ncr_shape_revolve(3, parts, nets);
+    ncr_scene *scene = solid_scene(solid_surface(12, nets));
+    ncr_points points = points_above(scene, .1);
+    assert_int_equal(NCR_SIGHT_HOLLOW, check_same(scene, &points));
+    free(points.at);
+    ncr_scene_destroy(NULL, scene);
+}
+
 static void hollow_bodies_and_bodies_of_two_pieces_are_not_convex(void **state)
 {
     (void)state;
@@ -263,6 +281,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(a_ball_alone_needs_one_ray_in_sixteen),
         cmocka_unit_test(a_dent_is_found),
+        cmocka_unit_test(a_dimple_is_found),
         cmocka_unit_test(hollow_bodies_and_bodies_of_two_pieces_are_not_convex),
         cmocka_unit_test(other_objects_count_only_where_segments_pass),
         cmocka_unit_test(points_on_the_surface_or_in_it_are_too_close),
