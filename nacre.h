@@ -49,6 +49,7 @@
 #include "shading/map_kind.h"
 #include "shading/material.h"
 #include "shading/method.h"
+#include "shading/npr_map.h"
 #include "shading/orientation_chart.h"
 #include "shading/paraboloid_filter.h"
 #include "shading/plan.h"

@@ -25,6 +25,7 @@ typedef struct render_job {
     ncr_lightfield *probe_light;
     ncr_probe probe;
     far_light far;
+    ncr_npr_map npr;
     ncr_rsibr maps;
     ncr_image image;
     ncr_shade_stats stats;
@@ -109,6 +110,17 @@ static ncr_status read_maps(render_job *job, const ncr_method *method)
     return reads ? ncr_rsibr_read(&a->ctx, job->o->maps, &job->maps) : NCR_OK;
 }
 
+/* Lines are as wide in the picture, however many rays its pixels have. */
+static ncr_status draw_npr(render_job *job, const ncr_method *method)
+{
+    const app *a = &job->o->common;
+    ncr_npr_kind kind;
+    if (!ncr_method_draws(method, &kind))
+        return NCR_OK;
+    const uint32_t factor = job->o->supersample ? job->o->supersample : 1;
+    return ncr_npr_map_init(&a->ctx, kind, method->parameter * factor, &job->npr);
+}
+
 static ncr_status prepare(render_job *job, const ncr_method *method, const ncr_method *recon,
                           ncr_term term, ncr_shading_inputs *inputs)
 {
@@ -124,6 +136,8 @@ static ncr_status prepare(render_job *job, const ncr_method *method, const ncr_m
         status = prepare_far_light(job, method, recon, term);
     if (status == NCR_OK)
         status = read_maps(job, method);
+    if (status == NCR_OK)
+        status = draw_npr(job, method);
     if (status != NCR_OK)
         return status;
     job->s.tracer.mirror_depth = job->o->depth_levels ? job->o->depth_levels : 1;
@@ -136,6 +150,8 @@ static ncr_status prepare(render_job *job, const ncr_method *method, const ncr_m
         .tracer = traces ? &job->s.tracer : NULL,
         .distant = job->far.distant,
         .rsibr = job->o->maps ? &job->maps : NULL,
+        .npr = job->npr.level[0].data ? &job->npr : NULL,
+        .up = job->v.camera->up,
         .material = &job->s.world->materials[job->s.object],
     };
     if (job->o->field) {
@@ -284,6 +300,7 @@ static ncr_status run_render(const render_options *o)
 
     ncr_image_dispose(&a->ctx, &job.image);
     far_light_close(a, &job.far);
+    ncr_npr_map_dispose(&a->ctx, &job.npr);
     ncr_rsibr_dispose(&a->ctx, &job.maps);
     ncr_lightfield_destroy(&a->ctx, job.probe_light);
     ncr_field_dispose(&a->ctx, &job.field);

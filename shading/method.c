@@ -47,6 +47,16 @@ static const ncr_method_entry entries[] = {
      NCR_NEEDS_DISTANT | NCR_NEEDS_LOBES, NULL, ncr_reflect_lobes, NCR_LOBES_BY_ANGLE},
     {"lobe-sum", "a glossy coat of index n: a sum of tilted lobes", NCR_PARAMETER_INDEX,
      NCR_NEEDS_DISTANT | NCR_NEEDS_LOBES, NULL, ncr_reflect_lobes, NCR_LOBES_TILTED},
+    {"npr-outline", "black lines w pixels wide along outlines", NCR_PARAMETER_WIDTH,
+     NCR_NEEDS_NPR | NCR_SHOWS_ALL, NULL, ncr_reflect_npr, NCR_NPR_OUTLINE},
+    {"npr-ring", "black where the surface turns away", NCR_PARAMETER_NONE,
+     NCR_NEEDS_NPR | NCR_SHOWS_ALL, NULL, ncr_reflect_npr, NCR_NPR_RING},
+    {"npr-cool-warm", "from blue in the shade to yellow in the light", NCR_PARAMETER_NONE,
+     NCR_NEEDS_NPR | NCR_SHOWS_ALL, NULL, ncr_reflect_npr, NCR_NPR_COOL_WARM},
+    {"npr-window", "a window, sketched", NCR_PARAMETER_NONE, NCR_NEEDS_NPR | NCR_SHOWS_ALL, NULL,
+     ncr_reflect_npr, NCR_NPR_WINDOW},
+    {"npr-hatching", "strokes that thicken toward outlines", NCR_PARAMETER_NONE,
+     NCR_NEEDS_NPR | NCR_SHOWS_ALL, NULL, ncr_reflect_npr, NCR_NPR_HATCHING},
     {"lambert", "surface under the irradiance of distant light", NCR_PARAMETER_NONE,
      NCR_NEEDS_DISTANT | NCR_NEEDS_DIFFUSE, ncr_recon_lambert, NULL, 0},
     {"rsibr", "radiance maps of the whole material for a few eyes, warped and blended",
@@ -78,20 +88,30 @@ static ncr_status unknown(const ncr_ctx *ctx, const char *name)
                     ncr_nearest_word(name, entry_count, names));
 }
 
+/* What may follow a name. */
+static const struct range {
+    const char *what, *example;
+    double least, most;
+    bool open, endless; /* least itself is not allowed; infinity is */
+} ranges[] = {
+    [NCR_PARAMETER_EXPONENT] = {"exponent", "4", 0, 1e6, false, true},
+    [NCR_PARAMETER_INDEX] = {"index of refraction", "1.5", 0, 1e6, true, false},
+    [NCR_PARAMETER_WIDTH] = {"width in pixels", "3", 0.5, 16, false, false},
+};
+
 static ncr_status parse_parameter(const ncr_ctx *ctx, const char *text, const char *colon,
                                   const ncr_method_entry *entry, double *out)
 {
-    const bool index = entry->takes == NCR_PARAMETER_INDEX;
-    const char *what = index ? "index of refraction" : "exponent";
+    const struct range *r = &ranges[entry->takes];
     char *end = NULL;
     const double value = colon ? strtod(colon + 1, &end) : 0;
     if (!colon || end == colon + 1 || *end)
-        return ncr_fail(ctx, NCR_E_ARG, "method \"%s\" needs an %s, as in \"%s:%s\"", text, what,
-                        entry->name, index ? "1.5" : "4");
-    const bool in_range = value >= 0 && (value <= 1e6 || (isinf(value) && !index));
-    if (!in_range || (index && value == 0))
-        return ncr_fail(ctx, NCR_E_ARG, "method \"%s\": the %s is not in %s0, 1e6]", text, what,
-                        index ? "(" : "[");
+        return ncr_fail(ctx, NCR_E_ARG, "method \"%s\" needs its %s, as in \"%s:%s\"", text,
+                        r->what, entry->name, r->example);
+    const bool in_range = value >= r->least && (value <= r->most || (isinf(value) && r->endless));
+    if (!in_range || (r->open && value == r->least))
+        return ncr_fail(ctx, NCR_E_ARG, "method \"%s\": the %s is not in %c%g, %g]", text, r->what,
+                        r->open ? '(' : '[', r->least, r->most);
     *out = value;
     return NCR_OK;
 }
@@ -249,6 +269,10 @@ static ncr_status check_parts(const ncr_ctx *ctx, const ncr_method *method,
         return ncr_fail(ctx, NCR_E_ARG, "method \"%s\" needs a captured probe", method->name);
     if (needs & NCR_NEEDS_TRACER && !in->tracer)
         return ncr_fail(ctx, NCR_E_ARG, "method \"%s\" needs a tracer", method->name);
+    if (needs & NCR_NEEDS_NPR &&
+        !(in->npr && in->up && in->npr->kind == (ncr_npr_kind)method->entry->detail))
+        return ncr_fail(ctx, NCR_E_ARG, "method \"%s\" needs its drawing, and the camera's up",
+                        method->name);
     if (needs & NCR_NEEDS_RSIBR && !in->rsibr)
         return ncr_fail(ctx, NCR_E_ARG, "method \"%s\" needs radiance maps", method->name);
     if (!(in->horizon_deg >= 0 && in->horizon_deg <= 90))

@@ -7,6 +7,7 @@
 #include "sampling/sample_map.h"
 #include "shading/gbuffer.h"
 #include "shading/lightfield.h"
+#include "shading/npr_map.h"
 #include "shading/tracer.h"
 
 NCR_BEGIN
@@ -35,6 +36,8 @@ typedef struct ncr_shading_inputs {
     const ncr_probe *probe;     /* envmap, proxy */
     const ncr_distant *distant; /* methods of distant light */
     const ncr_rsibr *rsibr;     /* rsibr */
+    const ncr_npr_map *npr;     /* npr-... */
+    const double *up;           /* [3] npr-...: the camera's */
     const ncr_material
         *material;            /* lambert, fresnel: its colour, which needs `frame`; NULL: white */
     const ncr_tracer *tracer; /* trace */
@@ -69,12 +72,16 @@ typedef struct ncr_shade_stats {
  *
  *     reflect: trace  envmap  proxy  distance  angle  average  cosine-r:N  cosine-n:N  abs-r:N
  *              mirror  prefiltered  fresnel:n  lobe-average:n  lobe-angle:n  lobe-sum:n  rsibr
+ *              npr-outline:w  npr-ring  npr-cool-warm  npr-window  npr-hatching
  *     recon:   trace  nearest  average4  lambert  fresnel:n
  *
  * @return  NCR_E_ARG for an unknown name (the sentence offers the nearest one), a missing,
  *          superfluous or out-of-range parameter
  */
 NCR_API ncr_status ncr_method_find(const ncr_ctx *ctx, const char *text, ncr_method *out);
+
+/** Whether a method draws by an ncr_npr_map, and by which kind. */
+NCR_API bool ncr_method_draws(const ncr_method *method, ncr_npr_kind *kind);
 
 /** Name and one-line description of entry k, for listings; NULL past the last. */
 NCR_API const char *ncr_method_name(size_t k, const char **summary);

@@ -78,6 +78,7 @@ enum { NCR_NEEDS_DISTANT = 128, NCR_NEEDS_DIFFUSE = 256, NCR_NEEDS_GLOSS = 512 }
 enum { NCR_TAKES_GLOSS = 1024 };
 /* Radiance maps, which show all of a surface: a full image has nothing under them. */
 enum { NCR_NEEDS_RSIBR = 2048, NCR_SHOWS_ALL = 4096 };
+enum { NCR_NEEDS_NPR = 16384 };  /* a drawing, of the kind `detail` */
 enum { NCR_NEEDS_LOBES = 8192 }; /* a sum of lobes, of the form `detail` */
 
 /* In which directions a method looks up the field, so that a plan can leave out the others: along
@@ -91,6 +92,7 @@ typedef enum ncr_parameter {
     NCR_PARAMETER_NONE = 0,
     NCR_PARAMETER_EXPONENT, /* "name:N", N in [0, 1e6] or inf */
     NCR_PARAMETER_INDEX,    /* "name:n", an index of refraction, (0, 1e6] */
+    NCR_PARAMETER_WIDTH,    /* "name:w", of a line in pixels, [0.5, 16] */
 } ncr_parameter;
 
 /* A row of the registry. */
@@ -115,6 +117,7 @@ ncr_shade_fn ncr_reflect_mirror, ncr_reflect_prefiltered, ncr_reflect_fresnel;
 ncr_shade_fn ncr_reflect_lobes; /* detail is the ncr_lobe_form */
 ncr_shade_fn ncr_recon_lambert, ncr_recon_fresnel;
 ncr_shade_fn ncr_reflect_rsibr; /* method_rsibr.c */
+ncr_shade_fn ncr_reflect_npr;   /* method_npr.c: detail is the ncr_npr_kind */
 
 /* Add neighbouring pixels [begin, end) to a run, as many as there is room for; returns how many. */
 size_t ncr_run_add(const ncr_gbuffer *gbuffer, size_t begin, size_t end, ncr_run *run);

@@ -112,6 +112,10 @@ for method in lobe-average:1e6 lobe-angle:1.5 lobe-sum:1.5; do
         -o "$work/far.exr"
 done
 expect 2 "needs a lobe of GGX" render $scene --preset quick --method lobe-sum:2 --lobe lambert -o "$work/a.png"
+for method in npr-outline:3 npr-window; do
+    expect 0 "pixels" render $scene --preset quick --method $method --object-only -o "$work/far.png"
+done
+expect 2 "not in \[0.5, 16\]" render $scene --preset quick --method npr-outline:99 -o "$work/a.png"
 expect 2 "only Phong" render $scene --preset quick --method prefiltered --lobe ggx:0.2 --filter two-radii -o "$work/a.png"
 expect 2 "needs a lobe" render $scene --preset quick --method prefiltered -o "$work/a.png"
 expect 2 "did you mean phong" render $scene --preset quick --method prefiltered --lobe fong:3 -o "$work/a.png"
