@@ -33,7 +33,7 @@ void BENCH_KERNEL(bench_facets)(const bench_facet_texels *t, float alpha, float 
 #pragma omp simd reduction(+ : sr, sg, sb)
     for (size_t k = 0; k < t->count; k++) {
         const float n_h = x * hx[k] + y * hy[k] + z * hz[k], n_l = 2 * vh[k] * n_h - n_v;
-        const float lit = (n_l > 0) & (n_h > 0) ? 1.0f : 0.0f, h2 = n_h * n_h + (1 - lit);
+        const float lit = ((n_l > 0) & (n_h > 0)) ? 1.0f : 0.0f, h2 = n_h * n_h + (1 - lit);
         const float one = 1 / (h2 * a2), d = exp_of((h2 - 1) * one) * one / h2;
         const float seen = 2 * n_h * one_vh[k];
         const float in = seen < one_v ? seen : one_v, away = seen * n_l * one_v;
