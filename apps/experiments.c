@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 #include "apps/experiment_runs.h"
 #include "apps/figures.h"
+#include "apps/report_gallery.h"
 
 #include <stdio.h>
 #include <string.h>
@@ -339,6 +340,8 @@ static ncr_status run_on_field(experiments *x, uint32_t chosen, lab_field *f, bo
         status = registration(x, f);
     if (status == NCR_OK && first_cube && base_epsilon)
         status = figures_of_field(x, f);
+    if (status == NCR_OK && first_cube && base_epsilon)
+        status = report_gallery(x, f);
     return status;
 }
 

@@ -159,6 +159,16 @@ ncr_status report_page_image(report_page *page, report_section section, const ch
     return status;
 }
 
+void report_page_plot(report_page *page, report_section section, const char *caption,
+                      const text *drawing)
+{
+    text *t = &page->sections[section];
+    text_put(t, "<figure class=\"panel\">");
+    text_bytes(t, drawing->data, drawing->size);
+    put_caption(t, caption);
+    text_put(t, "</figure>\n");
+}
+
 ncr_status report_page_map(report_page *page, report_section section, const char *caption,
                            const char *alt, const ncr_image *map, double lo, double hi,
                            const char *unit)

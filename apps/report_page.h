@@ -59,6 +59,10 @@ ncr_status report_page_rgb8(report_page *page, report_section section, const cha
 ncr_status report_page_image(report_page *page, report_section section, const char *caption,
                              const char *alt, const ncr_image *image, double exposure);
 
+/** A drawing of inline SVG, put in as it is, with its caption. */
+void report_page_plot(report_page *page, report_section section, const char *caption,
+                      const text *drawing);
+
 /** Channel 0 of a map on the colour ramp from lo to hi, with the ramp below it and `unit`. */
 ncr_status report_page_map(report_page *page, report_section section, const char *caption,
                            const char *alt, const ncr_image *map, double lo, double hi,

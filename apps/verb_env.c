@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: MIT
  * verb_env.c - nacre env: directional maps from kind to kind and convention to convention. */
+#include "apps/env_light.h"
 #include "apps/map_words.h"
 #include "apps/verbs.h"
 
@@ -24,6 +25,7 @@ typedef struct env_job {
     double seconds[3]; /* read, convert, write */
     uint32_t levels;   /* written */
     ncr_ktx2_report stored;
+    ncr_gltf_light_report packed; /* a light of glTF */
 } env_job;
 
 /* The power of two with about as many texels, unless the kind stays. */
@@ -120,6 +122,23 @@ static ncr_status write_map(env_job *job)
     return status;
 }
 
+/* A light of glTF has a layout of its own; its faces are as large as a cube of the map's texels, up
+ * to 256. */
+static ncr_status write_light(env_job *job)
+{
+    const env_options *o = job->o;
+    const ncr_directional_map *map = o->chart ? &job->out : &job->in;
+    uint32_t size = o->size ? o->size : fitting_size(map, NCR_MAP_CUBE);
+    if (!o->size)
+        size = size > 256 ? 256 : size < 32 ? 32 : (uint32_t)exp2(floor(log2(size)));
+    job->as = (ncr_map_stated){ncr_convention_find("gltf", NCR_MAP_CUBE), ncr_world_y_up()};
+    job->levels = env_light_levels(size);
+    ncr_directional_map_integral(map, job->energy_in);
+    const ncr_status status = env_write_light(&o->common, o->out, map, size, &job->packed);
+    job->out.size = size;
+    return status;
+}
+
 static ncr_status timed(double *seconds, ncr_status (*step)(env_job *job), env_job *job)
 {
     const double began = app_seconds();
@@ -138,12 +157,19 @@ static ncr_status run(env_job *job)
         status = map_convention_word(a, o->convention, kind, &job->as.convention);
     if (status == NCR_OK)
         status = map_up_word(a, "--up", o->up, &job->as.world);
+    const bool light = env_is_light(o->out);
+    if (status == NCR_OK && light && (o->to || o->convention || o->up || o->mips))
+        status =
+            ncr_fail(&a->ctx, NCR_E_ARG,
+                     "%s: a light of glTF has its own layout, without --to, --convention, --up "
+                     "or --mips",
+                     o->out);
     if (status == NCR_OK && !o->chart)
         status = timed(&job->seconds[0], read_map, job);
-    if (status == NCR_OK)
+    if (status == NCR_OK && (o->chart || !light))
         status = timed(&job->seconds[1], o->chart ? draw_chart : convert, job);
     if (status == NCR_OK)
-        status = timed(&job->seconds[2], write_map, job);
+        status = timed(&job->seconds[2], light ? write_light : write_map, job);
     return status;
 }
 
@@ -171,7 +197,7 @@ static void report(const env_job *job)
                 (unsigned long long)job->read.nonfinite);
     app_say(a, "%s: %s map of size %u by the convention %s: %s", o->out, ncr_map_kind_name(c->kind),
             job->out.size, c->name, c->says);
-    if (job->levels > 1)
+    if (job->levels > 1 && !env_is_light(o->out))
         app_say(a, "%u levels, each texel the mean of what it covers by solid angle", job->levels);
     if (job->stored.worst > 0 || job->stored.clamped)
         app_say(
@@ -179,7 +205,14 @@ static void report(const env_job *job)
             "storing changed values by at most %.2g of their texel's largest channel, %.2g rms; "
             "%llu did not fit and were clamped",
             job->stored.worst, job->stored.rms, (unsigned long long)job->stored.clamped);
-    if (from)
+    if (env_is_light(o->out))
+        app_say(
+            a,
+            "%u levels of GGX roughness 0 to 1; packing into RGBD changed values by %.2g rms; %llu "
+            "did not fit and were clamped, which took %.2g %% of the light",
+            job->levels, job->packed.rms, (unsigned long long)job->packed.clamped,
+            100 * job->packed.lost);
+    else if (from)
         app_say(a, "integral over the sphere changed by %.2g %%", 100 * energy_change(job));
 }
 
@@ -204,12 +237,26 @@ static json_t *describe(const env_job *job)
                      "seconds", "read", t[0], "convert", t[1], "write", t[2]);
 }
 
+/* What packing did stands in the place of the integral over one map. */
+static json_t *describe_light(const env_job *job)
+{
+    json_t *out = describe(job);
+    const ncr_gltf_light_report *p = &job->packed;
+    json_object_del(out, "energy_out");
+    json_object_del(out, "stored");
+    json_object_set_new(out, "packed",
+                        json_pack("{s:I, s:f, s:f, s:f}", "clamped", (json_int_t)p->clamped, "lost",
+                                  p->lost, "worst", p->worst, "rms", p->rms));
+    return out;
+}
+
 int verb_env(int argc, char **argv)
 {
     env_options o = {0};
     size_t words = 0;
     const option options[] = {
-        {"--output", 'o', OPTION_TEXT, &o.out, "OUT", "file to write: .exr, .hdr, .png, .ktx2"},
+        {"--output", 'o', OPTION_TEXT, &o.out, "OUT",
+         "file to write: .exr, .hdr, .png, .ktx2, .glb, .gltf"},
         {"--to", 0, OPTION_TEXT, &o.to, "KIND",
          "cube (default), octahedral, latlong, sphere, paraboloid"},
         {"--size", 0, OPTION_COUNT, &o.size, "N",
@@ -260,7 +307,7 @@ int verb_env(int argc, char **argv)
     const ncr_status status = run(&job);
     if (status == NCR_OK) {
         report(&job);
-        app_print_json(&o.common, describe(&job));
+        app_print_json(&o.common, env_is_light(o.out) ? describe_light(&job) : describe(&job));
     }
     ncr_directional_map_dispose(&o.common.ctx, &job.in);
     ncr_directional_map_dispose(&o.common.ctx, &job.out);

@@ -8,6 +8,7 @@
  *   [OpenGL46]  M. Segal, K. Akeley. The OpenGL Graphics System, version 4.6, table 8.19. 2022
  *   [KTX2]      M. Callow. KTX File Format Specification, version 2.0, faceCount. 2020
  *   [OpenEXR]   Industrial Light & Magic. ImfEnvmap.h: LatLongMap and CubeMap. 2004
+ *   [EXTibl]    G. Hsu, M. Bond. glTF extension EXT_lights_image_based: order and flip of faces. 2019
  *   [OIIO]      L. Gritz. OpenImageIO, environment.cpp: latlong and cubeface conventions. 2011
  *   [RISpec]    Pixar. The RenderMan Interface 3.2, MakeLatLongEnvironment. 2000
  *   [USD]       Pixar. UsdLux DomeLight, texture:format */
@@ -68,6 +69,16 @@ static const ncr_convention conventions[] = {
      {0},
      false,
      "+X +Y +Z over -X -Y -Z, each as OpenGL has it"},
+    {"gltf",
+     NCR_MAP_CUBE,
+     {{0}},
+     1,
+     6,
+     STRIP_DOWN,
+     {1, 1, 1, 1, 1, 1},
+     false,
+     "six faces downwards, +X -X +Y -Y +Z -Z, OpenGL's exchanged left to right: as seen from "
+     "within"},
     {"openexr",
      NCR_MAP_CUBE,
      {{0}},

@@ -147,6 +147,24 @@ NCR_API uint32_t ncr_map_level_count(uint32_t size);
 NCR_API ncr_status ncr_directional_map_levels(const ncr_ctx *ctx, const ncr_directional_map *map,
                                               uint32_t count, ncr_directional_map *levels);
 
+/**
+ * Radiance seen through a footprint: the parallelogram d + a du + b dv, |a|, |b| <= 1/2, such as the
+ * directions that a pixel reflects, as probes of round footprints along its longer axis.
+ *
+ * @param levels  [count] a pyramid of ncr_directional_map_levels, or of any other filter
+ * @param d       any length but zero
+ * @param du, dv  change of d across the footprint; may be 0: then ncr_directional_map_look_up in
+ *                level 0
+ * @param out     [channels]; a constant gives itself, bit by bit
+ *
+ * Probes lie in space, so footprints pass edges, poles and rims as look-ups do. At most 32 of them:
+ * of a footprint more than 32 times as long as wide the width grows. Re-entrant.
+ *                                                                         [H 2.4] [Schilling96]
+ */
+NCR_API void ncr_directional_map_footprint(const ncr_directional_map *levels, uint32_t count,
+                                           const double d[3], const double du[3],
+                                           const double dv[3], float *out);
+
 NCR_END
 
 #endif

@@ -25,4 +25,8 @@ static inline ncr_map_tap ncr_map_tap_at(const ncr_directional_map *map, double 
 void ncr_map_row_span(ncr_map_kind kind, uint32_t size, uint32_t y, uint32_t *first,
                       uint32_t *past);
 
+/** Bilinear look-up at a place of a part, up to a part's size beyond its edges. */
+void ncr_map_bilinear(const ncr_directional_map *map, uint32_t part, double s, double t,
+                      float *out);
+
 #endif

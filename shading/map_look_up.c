@@ -12,7 +12,7 @@ static void mix_all(uint32_t channels, const float *a, const float *b, float f, 
         out[c] = mix(a[c], b[c], f);
 }
 
-static void bilinear(const ncr_directional_map *map, uint32_t part, double s, double t, float *out)
+void ncr_map_bilinear(const ncr_directional_map *map, uint32_t part, double s, double t, float *out)
 {
     const int32_t h = (int32_t)map->size, w = (int32_t)ncr_map_part_width(map->kind, map->size);
     const uint32_t channels = map->image.channels;
@@ -37,10 +37,10 @@ static void look_up_latlong(const ncr_directional_map *map, ncr_map_coord at, fl
 {
     const double row = 1.0 / map->size, from_pole = 1 - fabs(at.t); /* half a row; distance */
     if (from_pole >= row) {
-        bilinear(map, 0, at.s, at.t, out);
+        ncr_map_bilinear(map, 0, at.s, at.t, out);
         return;
     }
-    bilinear(map, 0, at.s, copysign(1 - row, at.t), out);
+    ncr_map_bilinear(map, 0, at.s, copysign(1 - row, at.t), out);
     mix_all(map->image.channels, map->pole[at.t > 0], out, (float)(from_pole / row), out);
 }
 
@@ -49,7 +49,7 @@ static void look_up_latlong(const ncr_directional_map *map, ncr_map_coord at, fl
 static void look_up_sphere(const ncr_directional_map *map, const double own[3], ncr_map_coord at,
                            float *out)
 {
-    bilinear(map, 0, at.s, at.t, out);
+    ncr_map_bilinear(map, 0, at.s, at.t, out);
     const double near = 4.0 / map->size, angle = atan2(hypot(own[0], own[1]), -own[2]);
     if (angle < near)
         mix_all(map->image.channels, map->pole[0], out, (float)(angle / near), out);
@@ -61,11 +61,11 @@ static void look_up_paraboloid(const ncr_directional_map *map, ncr_map_coord at,
 {
     const double rho2 = at.s * at.s + at.t * at.t, rho = sqrt(rho2);
     const double band = fmin(4.0 / map->size, 0.25);
-    bilinear(map, at.part, at.s, at.t, out);
+    ncr_map_bilinear(map, at.part, at.s, at.t, out);
     if (rho <= 1 - band)
         return;
     float other[NCR_MAP_CHANNELS];
-    bilinear(map, 1 - at.part, at.s / rho2, at.t / rho2, other);
+    ncr_map_bilinear(map, 1 - at.part, at.s / rho2, at.t / rho2, other);
     mix_all(map->image.channels, out, other, (float)(0.5 * (rho - (1 - band)) / band), out);
 }
 
@@ -88,5 +88,5 @@ void ncr_directional_map_look_up(const ncr_directional_map *map, const double d[
     case NCR_MAP_OCTAHEDRAL:
         break;
     }
-    bilinear(map, at.part, at.s, at.t, out);
+    ncr_map_bilinear(map, at.part, at.s, at.t, out);
 }

@@ -90,6 +90,23 @@ for store in half float rgb9e5; do
     fi
 done
 
+# A light of glTF: levels of six faces, nine coefficients of irradiance, the loss by packing told.
+for light in light.glb light.gltf; do
+    expect 0 "3 levels of GGX" env "$work/chart.exr" -o "$work/$light" --json
+    jq -e '.levels == 3 and .out.convention == "gltf" and .packed.clamped == 0 and .packed.rms < 0.01 and
+           .energy_in[0] > 0' "$work/out" >/dev/null || fail "env -o $light: $(cat "$work/out")"
+done
+jq -e '.extensions.EXT_lights_image_based.lights[0] | .specularImageSize == 64 and
+       (.specularImages | length == 3 and all(length == 6)) and
+       (.irradianceCoefficients | length == 9 and all(length == 3))' "$work/light.gltf" >/dev/null ||
+    fail "light.gltf: $(head -c 400 "$work/light.gltf")"
+# c00 = pi Y00 int L: the integral over the sphere is what --json said
+jq -e --slurpfile said "$work/out" '.extensions.EXT_lights_image_based.lights[0].irradianceCoefficients[0] as $c |
+       [range(3)] | all($c[.] / ($said[0].energy_in[.] * 0.886226925) - 1 | fabs < 1e-3)' "$work/light.gltf" \
+    >/dev/null || fail "light.gltf: the first coefficient is not the mean"
+expect 2 "its own layout" env "$work/chart.exr" --up y -o "$work/a.glb"
+expect 2 "a power of two, at least 32" env "$work/chart.exr" --size 48 -o "$work/a.glb"
+
 # An image that says nothing is read as told, or not at all.
 cp "$work/l.exr" "$work/mute.exr"
 if command -v oiiotool >/dev/null; then
@@ -99,6 +116,67 @@ if command -v oiiotool >/dev/null; then
     expect 0 "latlong map of size 128 by the convention nacre" env "$work/mute.exr" --from latlong -o "$work/a.exr"
     expect 2 "several kinds|KIND:nacre" env "$work/mute.exr" --from nacre -o "$work/a.exr"
     expect 4 "no paraboloid map|no cube map|should be as" env "$work/mute.exr" --from hcross -o "$work/a.exr"
+
+    # What OpenImageIO finds at a place of the chart: the colour of a face, or the bar along its top.
+    shows() { # FILE X Y +x|-x|+y|-y|+z|-z|bar
+        oiiotool "$1" --cut "2x2+$2+$3" --printstats | awk -v want="$4" '
+            /Stats Avg/ {
+                r = $3; g = $4; b = $5
+                most = r > g ? (r > b ? r : b) : g > b ? g : b
+                axis = r == most ? "x" : g == most ? "y" : "z"
+                seen = (r < g ? r : g) > 0.5 ? "bar" : (most > 0.35 ? "+" : "-") axis
+            }
+            END { if (seen != want) { print seen; exit 1 } }' >"$work/seen" ||
+            fail "$1 shows $(cat "$work/seen") at $2 $3, not $4"
+    }
+    while read -r kind x y want; do
+        for format in exr hdr; do
+            [ -e "$work/$kind.$format" ] ||
+                "$nacre" env --chart --to "$kind" --size 256 -q -o "$work/$kind.$format"
+            shows "$work/$kind.$format" "$x" "$y" "$want"
+        done
+    done <<EOF
+cube 33 33 +x
+cube 17 125 bar
+cube 33 289 -x
+cube 233 381 bar
+cube 33 545 +y
+cube 125 745 bar
+cube 33 801 -y
+cube 125 785 bar
+cube 33 1057 +z
+cube 125 1041 bar
+cube 33 1313 -z
+cube 125 1297 bar
+latlong 1 89 +x
+latlong 125 89 +y
+latlong 253 89 -x
+latlong 381 89 -y
+latlong 125 69 bar
+latlong 1 43 +z
+latlong 1 212 -z
+sphere 125 61 +y
+sphere 193 125 +x
+sphere 61 125 -x
+sphere 125 193 -y
+sphere 125 83 bar
+paraboloid 125 49 +y
+paraboloid 205 125 +x
+paraboloid 49 125 -x
+paraboloid 125 205 -y
+paraboloid 125 80 bar
+paraboloid 381 80 bar
+octahedral 125 41 +y
+octahedral 213 125 +x
+octahedral 41 125 -x
+octahedral 125 213 -y
+octahedral 125 68 bar
+EOF
+    # The same texels in both formats, as OpenImageIO reads them: half a step of RGBE apart at most.
+    for kind in cube latlong sphere paraboloid octahedral; do
+        oiiotool "$work/$kind.exr" "$work/$kind.hdr" --fail 0.004 --diff >"$work/diff" ||
+            fail "$kind: EXR and HDR differ: $(cat "$work/diff")"
+    done
 
     # OpenImageIO sees the attribute, the size and the pixels.
     expect 0 "" env "$work/chart.exr" --to latlong --convention openexr -o "$work/o.exr"

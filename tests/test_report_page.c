@@ -6,6 +6,7 @@
 #include "apps/report_labels.h"
 #include "apps/report_page.h"
 #include "apps/report_plot.h"
+#include "apps/report_rates.h"
 #include "apps/report_thesis.h"
 
 #include <jansson.h>
@@ -209,6 +210,18 @@ static void the_csv_has_a_header_and_a_line_for_each_row(void **state)
 }
 
 /* ---- the page ----------------------------------------------------------------------------- */
+
+/* Five curves, all of which begin in the middle at 1; the paraboloid ends at a quarter. */
+static void sampling_rates_are_drawn(void **state)
+{
+    (void)state;
+    text plot = {0};
+    assert_int_equal(report_plot_rates(&plot), NCR_OK);
+    assert_int_equal(occurrences(plot.data, "<path class=\"c"), 5);
+    assert_int_equal(occurrences(plot.data, "d=\"M58.0 14.0L"), 5);
+    assert_int_equal(occurrences(plot.data, "L600.0 258.5\""), 1);
+    text_dispose(&plot);
+}
 
 static void the_page_is_well_formed_and_whole(void **state)
 {
@@ -462,6 +475,7 @@ int main(int argc, char **argv)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(the_json_holds_what_scripts_rely_on),
         cmocka_unit_test(the_csv_has_a_header_and_a_line_for_each_row),
+        cmocka_unit_test(sampling_rates_are_drawn),
         cmocka_unit_test(the_page_is_well_formed_and_whole),
         cmocka_unit_test(an_empty_table_makes_a_page),
         cmocka_unit_test(odd_numbers_do_not_break_plots),
