@@ -49,9 +49,8 @@ ALWAYS_INLINE void find_addresses(const texel_layout *in, const lookup_row *at,
         address[k] = in->texels + point[k] * in->point + (uint32_t)at->first[k] * in->texel;
 }
 
-/* Start fetching texels that no cache is likely to hold, all of a row at once: for every other
- * look-up, since neighbours mostly share lines. Look-ups close
- * together share lines and need no asking. */
+/* Start fetching texels that no cache is likely to hold, all of a row at once: of every other look-up,
+ * since neighbours mostly share lines. Look-ups that are all close together need no asking. */
 ALWAYS_INLINE void ask_for(const texel_layout *in, const uint64_t *address)
 {
     uint64_t low = UINT64_MAX, high = 0;
