@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: MIT
  *
  * This file follows:
- *   [EXTibl]  G. Hsu, M. Bond. glTF extension EXT_lights_image_based. 2019
- *   [Ram01]   R. Ramamoorthi, P. Hanrahan. An Efficient Representation for Irradiance Environment
- *             Maps. 2001
+ *   [EXTibl]         G. Hsu, M. Bond. glTF extension EXT_lights_image_based. 2019
+ *   [Ramamoorthi01]  R. Ramamoorthi, P. Hanrahan. An Efficient Representation for Irradiance
+ *                    Environment Maps. 2001
  */
 #include "io/gltf_light_internal.h"
 #include "io/rgbd_internal.h"

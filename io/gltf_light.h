@@ -29,14 +29,14 @@ typedef struct ncr_gltf_light_report {
  *
  *     E(n) = sum c_lm Y_lm(n),   c_lm = A_l int L(d) Y_lm(d) dd,   A = pi, 2 pi/3, pi/4
  *
- * in the order (0,0), (1,-1), (1,0), (1,1), (2,-2) ... (2,2), with the real orthonormal Y of [Ram01]
- * and no sign of their own: .282095, .488603 (y, z, x), 1.092548 xy, 1.092548 yz,
+ * in the order (0,0), (1,-1), (1,0), (1,1), (2,-2) ... (2,2), with the real orthonormal Y of
+ * [Ramamoorthi01] and no sign of their own: .282095, .488603 (y, z, x), 1.092548 xy, 1.092548 yz,
  * .315392 (3 z^2 - 1), 1.092548 xz, .546274 (x^2 - y^2). E is irradiance, not divided by pi.
  *
  * @param map  radiance, 3 channels
  *
  * Each texel counts as four parts at their middles: for smooth maps right to 1/size^2 of the mean
- * irradiance, out of sphere maps of size 64 to 4/size^2 (measured).            [EXTibl] [Ram01]
+ * irradiance, out of sphere maps of size 64 to 4/size^2 (measured).    [EXTibl] [Ramamoorthi01]
  */
 NCR_API void ncr_gltf_irradiance(const ncr_directional_map *map, double out[9][3]);
 

@@ -3,7 +3,7 @@
  *   [Cook82]  R. Cook, K. Torrance, A Reflectance Model for Computer Graphics, 1982
  *   [Walter07]  B. Walter, S. Marschner, H. Li, K. Torrance, Microfacet Models for Refraction
  *               through Rough Surfaces, 2007
- *   [Cabral99]  B. Cabral, M. Olano, P. Nemec, Reflection Space Image Based Rendering, 1999
+ *   [C]         B. Cabral, M. Olano, P. Nemec, Reflection Space Image Based Rendering, 1999
  *   [Dutt93]  A. Dutt, V. Rokhlin, Fast Fourier Transforms for Nonequispaced Data, 1993 */
 #include "shading/fixed_view.h"
 

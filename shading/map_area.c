@@ -6,7 +6,7 @@
 
 /* This file follows:
  *   [H 2.4]           W. Heidrich. Environment Maps And Their Applications, 2000
- *   [vanOosterom83]   A. van Oosterom, J. Strackee. The Solid Angle of a Plane Triangle. 1983
+ *   [Oosterom83]      A. van Oosterom, J. Strackee. The Solid Angle of a Plane Triangle. 1983
  *   [Sutherland74]    I. Sutherland, G. Hodgman. Reentrant Polygon Clipping. CACM 1974 */
 
 static const double pi = 3.14159265358979323846;
@@ -27,7 +27,7 @@ static double dot(const corner *a, const corner *b)
     return a->x * b->x + a->y * b->y + a->z * b->z;
 }
 
-/* tan(W/2) = det[a b c] / (|a||b||c| + (a.b)|c| + (b.c)|a| + (c.a)|b|)        [vanOosterom83]
+/* tan(W/2) = det[a b c] / (|a||b||c| + (a.b)|c| + (b.c)|a| + (c.a)|b|)        [Oosterom83]
  *
  * Both kinds of face lie on planes whose determinant is twice the area on the map, so the caller
  * gives it as a product of steps and nothing cancels. */

@@ -13,7 +13,7 @@
 static const ncr_ctx *const ctx = &files_ctx;
 static const double pi = 3.14159265358979323846;
 
-/* Irradiance of the file, in its own world, as [Ram01] has it in its equation 13. */
+/* Irradiance of the file, in its own world, as [Ramamoorthi01] has it in its equation 13. */
 static double irradiance(const double c[9][3], const double n[3], int channel)
 {
     const double x = n[0], y = n[1], z = n[2];
