@@ -26,6 +26,14 @@ static ncr_status unknown(const app *a, const char *word)
                     ncr_nearest_word(word, lobe_count, names));
 }
 
+const char *lobe_name(const ncr_lobe *lobe)
+{
+    for (int k = 0; k < lobe_count; k++)
+        if (lobes[k].kind == lobe->kind)
+            return lobes[k].name;
+    return "custom";
+}
+
 ncr_status lobe_word(const app *a, const char *word, ncr_lobe *out)
 {
     const char *colon = strchr(word, ':');

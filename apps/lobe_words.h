@@ -8,4 +8,7 @@
 /** The lobe of --lobe: lambert, phong:N, ggx:A or beckmann:M. */
 ncr_status lobe_word(const app *a, const char *word, ncr_lobe *out);
 
+/** "lambert" and so on. */
+const char *lobe_name(const ncr_lobe *lobe);
+
 #endif

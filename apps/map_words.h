@@ -5,8 +5,8 @@
 
 #include "apps/app.h"
 
-/** The kind of --to; NULL is the cube. */
-ncr_status map_kind_word(const app *a, const char *word, ncr_map_kind *out);
+/** The kind that `flag` names; NULL is the cube. */
+ncr_status map_kind_word(const app *a, const char *flag, const char *word, ncr_map_kind *out);
 
 /** "y" or "z", NULL is z: the axes of a world with that up, in terms of ours. */
 ncr_status map_up_word(const app *a, const char *flag, const char *word, ncr_axes *out);
@@ -19,5 +19,9 @@ ncr_status map_convention_word(const app *a, const char *word, ncr_map_kind kind
  *  that several kinds have is told apart by the shape of the image. NULL gives NULL. */
 ncr_status map_from_word(const app *a, const char *word, const char *file,
                          const ncr_convention **out);
+
+/** Read a map as --from and --from-up say, or as the file does. */
+ncr_status map_words_read(const app *a, const char *file, const char *from, const char *from_up,
+                          ncr_directional_map *out, ncr_map_file_report *report);
 
 #endif

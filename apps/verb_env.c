@@ -43,21 +43,7 @@ static uint32_t fitting_size(const ncr_directional_map *in, ncr_map_kind kind)
 static ncr_status read_map(env_job *job)
 {
     const env_options *o = job->o;
-    const app *a = &o->common;
-    ncr_map_stated as;
-    ncr_status status = map_from_word(a, o->from, o->in, &as.convention);
-    if (status == NCR_OK)
-        status = map_up_word(a, "--from-up", o->from_up, &as.world);
-    if (status == NCR_OK && !as.convention) {
-        status = ncr_map_file_stated(&a->ctx, o->in, &as);
-        if (status == NCR_OK && !as.convention)
-            return ncr_fail(
-                &a->ctx, NCR_E_ARG,
-                "%s: does not say how it lies: name its convention with --from, such as "
-                "usd for a panorama with y up (docs/maps.md lists them)",
-                o->in);
-    }
-    return status == NCR_OK ? ncr_map_file_read(&a->ctx, o->in, as, &job->in, &job->read) : status;
+    return map_words_read(&o->common, o->in, o->from, o->from_up, &job->in, &job->read);
 }
 
 static ncr_status make_output(env_job *job, uint32_t size)
@@ -152,7 +138,7 @@ static ncr_status run(env_job *job)
     const env_options *o = job->o;
     const app *a = &o->common;
     ncr_map_kind kind;
-    ncr_status status = map_kind_word(a, o->to, &kind);
+    ncr_status status = map_kind_word(a, "--to", o->to, &kind);
     if (status == NCR_OK)
         status = map_convention_word(a, o->convention, kind, &job->as.convention);
     if (status == NCR_OK)

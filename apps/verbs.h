@@ -9,6 +9,7 @@ int verb_compare(int argc, char **argv);
 int verb_report(int argc, char **argv);
 int verb_env(int argc, char **argv);
 int verb_rsibr(int argc, char **argv);
+int verb_prefilter(int argc, char **argv);
 int verb_info(int argc, char **argv);
 int verb_bench(int argc, char **argv);
 int verb_check(int argc, char **argv);

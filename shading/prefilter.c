@@ -64,7 +64,7 @@ static void measure(ncr_prefilter *p)
                 const double *at = ncr_harmonics_at(a, l, (int32_t)m) + c;
                 power[c] += at[0] * at[0] + at[a->channels] * at[a->channels];
             }
-            resolved += power[c];
+            resolved += l <= p->natural ? power[c] : 0;
         }
     }
     for (uint32_t c = 0; c < a->channels; c++)
@@ -125,8 +125,8 @@ static ncr_status create(const ncr_ctx *ctx, const ncr_texels *texels, ncr_axes 
         ncr_prefilter_destroy(ctx, p);
         return status;
     }
-    measure(p);
     p->natural = natural_limit(texels);
+    measure(p);
     p->info.band_limit = last;
     p->info.channels = channels;
     p->info.axes = axes;
@@ -175,7 +175,7 @@ ncr_status ncr_prefilter_create_map(const ncr_ctx *ctx, const ncr_directional_ma
 
 /* --- as far as lobes need it ------------------------------------------------------------------ */
 
-enum { most_useful = 2000 };
+enum { few_degrees = 256, many_degrees = 2000 };
 
 /* Where a lobe has faded to a tolerance, looking no further than that. */
 static ncr_status first_limit(const ncr_ctx *ctx, const ncr_lobe *lobe, double tolerance,
@@ -204,13 +204,16 @@ ncr_status ncr_prefilter_create_for(const ncr_ctx *ctx, const ncr_directional_ma
                                     const ncr_prefilter_opts *opts, ncr_prefilter **out)
 {
     ncr_prefilter_opts how = opts ? *opts : (ncr_prefilter_opts){.struct_size = sizeof how};
-    const uint32_t most = opts && opts->band_limit ? opts->band_limit : most_useful;
     ncr_texels texels = {0};
-    uint32_t last = most < 8 ? most : 8;
+    uint32_t last = 8;
     *out = NULL;
     ncr_status status = ncr_texels_of_map(ctx, map, false, &texels);
     const uint32_t natural = status ? 0 : natural_limit(&texels);
     ncr_texels_dispose(ctx, &texels);
+    const uint32_t far = 4 * natural < few_degrees    ? few_degrees
+                         : 4 * natural > many_degrees ? many_degrees
+                                                      : 4 * natural;
+    const uint32_t most = opts && opts->band_limit ? opts->band_limit : far;
     for (size_t k = 0; !status && k < count; k++) {
         uint32_t limit;
         status = ncr_lobe_eigenvalues(ctx, &lobes[k], 0, &(double){0}, NULL, NULL);

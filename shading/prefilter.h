@@ -48,8 +48,8 @@ typedef struct ncr_prefilter_info {
     ncr_texel_report texels; /* of the map as given, but `square` without the lights */
     double mean[4];          /* of the map without its lights, by channel */
     double peeled[4];        /* integral that went to the lights, by channel */
-    double unresolved; /* root mean square of what the map holds above the band limit, over the
-                                sphere, channels summed */
+    double unresolved; /* root mean square of what the map holds above the band limit, or above what
+                          its texels tell apart, over the sphere, channels summed */
     size_t light_count;
 } ncr_prefilter_info;
 
@@ -78,7 +78,7 @@ NCR_API ncr_status ncr_prefilter_create_map(const ncr_ctx *ctx, const ncr_direct
  * times the map's mean, or the most degrees allowed are reached.
  *
  * @param lobes  [count]
- * @param opts   `band_limit` is the most allowed, 0: 2000; `sharpest` and `tolerance` are not used
+ * @param opts   `band_limit` is the most allowed, 0: four times what the map has, 256 to 2000; `sharpest` and `tolerance` are not used
  *
  * Smooth maps are analysed no further than they reach; suns want `peel`, or many degrees.
  */
@@ -194,6 +194,26 @@ NCR_API void ncr_prefilter_grid_destroy(const ncr_ctx *ctx, ncr_prefilter_grid *
  *  Re-entrant, allocates nothing. */
 NCR_API void ncr_prefilter_grid_sample(const ncr_prefilter_grid *grid, size_t count,
                                        const ncr_vec3 *directions, float *out);
+
+/** A filtered map in nine coefficients, degrees 0 to 2, of the world's axes: b[l(l+1)+m][channel]. */
+typedef struct ncr_prefilter_nine {
+    double radiance[9][4]; /* of the map */
+    double filtered[9][4]; /* of the filtered map, windowed: times pi, irradiance for Lambert */
+    double lowest[4];      /* of their sum over 4608 directions: below 0 is ringing */
+    double bound; /* no direction of the filtered map is farther than this from their sum */
+} ncr_prefilter_nine;
+
+/**
+ * Cut a filtered map down to nine coefficients.
+ *
+ * @param opts  `window`, and `lights_off` to leave lights out; NULL for defaults
+ * @return      NCR_E_ARG also for a prefilter of a band limit below 2; NCR_E_NOMEM
+ *
+ * E(n) = sum of filtered times Y (ncr_harmonics_basis).                        [Ramamoorthi01]
+ */
+NCR_API ncr_status ncr_prefilter_nine_get(const ncr_ctx *ctx, const ncr_prefilter *prefilter,
+                                          const ncr_lobe *lobe, const ncr_prefilter_output *opts,
+                                          ncr_prefilter_nine *out);
 
 /**
  * The definition, by brute force: every texel, weighed by the lobe and its row's quadrature.

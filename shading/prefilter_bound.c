@@ -9,9 +9,9 @@
  *   by the map:   |E_L - E| <= sum over l of |lambda_l - kept_l| (P_l (2l+1) / 4 pi)^1/2
  *
  * with P_l the power of degree l, since |sum_m a Y| <= (P_l (2l+1) / 4 pi)^1/2. Past the degrees
- * analysed the power is known as a whole, U: by Cauchy and Schwarz
+ * analysed, or those that texels tell apart, the power is known as a whole, U: by Cauchy and Schwarz
  *
- *   sum <= (sum of lambda_l^2 (2l+1) / 4 pi)^1/2 U
+ *   sum <= (sum of |lambda_l - kept_l|^2 (2l+1) / 4 pi)^1/2 U
  *
  * The first is for suns, which have power everywhere; the second for what is smooth. */
 
@@ -90,26 +90,26 @@ static double mean_size(const ncr_prefilter *p)
     return p->info.texels.negative ? sqrt(p->info.texels.square / (4 * pi)) : mean;
 }
 
-/* What all degrees past the analysis can give in any one direction. `enough`: no need to know better
- * than that. */
-static ncr_status bound_tail(const ncr_ctx *ctx, const ncr_prefilter *p, const ncr_lobe *lobe,
-                             const ncr_filter *f, double enough, double *out)
+/* The last degree whose power is known by itself. */
+static uint32_t last_known(const ncr_prefilter *p)
+{
+    return p->harmonics.band_limit < p->natural ? p->harmonics.band_limit : p->natural;
+}
+
+/* The part of the sum of lambda_l^2 (2l+1) / 4 pi beyond degree l, for l = from .. band limit:
+ * out[l - from]. */
+static ncr_status find_tails(const ncr_ctx *ctx, const ncr_lobe *lobe, const ncr_filter *f,
+                             uint32_t from, double *out)
 {
     double power;
-    *out = INFINITY;
-    if (f->band_limit <= p->natural) {
-        const ncr_status status = lobe_power(ctx, lobe, f->integral, &power);
-        if (status)
-            return status;
-        const double floor = quadrature_error * power;
-        for (uint32_t l = 0; l <= f->band_limit; l++)
-            power -= f->exact[l] * f->exact[l] * (2 * l + 1) / (4 * pi);
-        *out = sqrt(fmax(power, floor) * 4 * pi) * p->info.unresolved;
+    const ncr_status status = lobe_power(ctx, lobe, f->integral, &power);
+    const double floor = quadrature_error * power;
+    for (uint32_t l = 0; !status && l <= f->band_limit; l++) {
+        power -= f->exact[l] * f->exact[l] * (2 * l + 1) / (4 * pi);
+        if (l >= from)
+            out[l - from] = fmax(power, floor);
     }
-    if (*out > enough)
-        *out = fmin(*out,
-                    mean_size(p) * ncr_lobe_truncation(lobe, f->band_limit, f->exact, f->integral));
-    return NCR_OK;
+    return status;
 }
 
 /* --- what is left out of it ------------------------------------------------------------------- */
@@ -126,31 +126,52 @@ static void add_degree(const ncr_prefilter *p, uint32_t l, double change, double
                   sqrt(p->degree_power[4 * (size_t)l + (size_t)c] * (2.0 * l + 1) / (4 * pi));
 }
 
+/* Bounds by the map with degrees above `order` left out, from the band limit down, until one is above
+ * `most`: the last that is not, and its order. */
+static ncr_status descend(const ncr_ctx *ctx, const ncr_prefilter *p, const ncr_lobe *lobe,
+                          const ncr_filter *f, double most, uint32_t *order, double *bound)
+{
+    const uint32_t known = last_known(p), last = f->band_limit;
+    double sum[4] = {0}, *tail = ncr_alloc(ctx, (last - known + 1) * sizeof *tail);
+    ncr_status status = tail ? find_tails(ctx, lobe, f, known, tail) : NCR_E_NOMEM;
+    *order = last;
+    for (uint32_t l = last;; l--) {
+        if (status)
+            break;
+        const uint32_t past = l > known ? l : known;
+        const double now = most_of(sum) + sqrt(tail[past - known] * 4 * pi) * p->info.unresolved;
+        if (l < last && now > most)
+            break;
+        *order = l;
+        *bound = now;
+        if (l == 0 || now > most)
+            break;
+        if (l <= known)
+            add_degree(p, l, f->exact[l], sum);
+    }
+    ncr_free(ctx, tail);
+    return status;
+}
+
 ncr_status ncr_prefilter_order(const ncr_ctx *ctx, const ncr_prefilter *p, const ncr_lobe *lobe,
                                double tolerance, uint32_t *order, double *bound)
 {
     ncr_filter f;
     const double most = tolerance * ncr_prefilter_mean(p);
-    double tail, sum[4] = {0};
+    double found = 0;
     ncr_status status = ncr_filter_init(ctx, p, lobe, NULL, &f);
     if (status)
         return status;
-    status = bound_tail(ctx, p, lobe, &f, 0.5 * most, &tail);
-    uint32_t last = f.band_limit;
-    double reached = tail;
-    for (; !status && last > 0; last--) {
-        add_degree(p, last, f.exact[last], sum);
-        if (!(most_of(sum) + tail <= most))
-            break;
-        reached = most_of(sum) + tail;
+    status = descend(ctx, p, lobe, &f, most, order, &found);
+    if (!status && found > most) {
+        found = fmin(found,
+                     mean_size(p) * ncr_lobe_truncation(lobe, f.band_limit, f.exact, f.integral));
+        *order = f.band_limit;
     }
     ncr_filter_dispose(ctx, &f);
-    if (status)
-        return status;
-    *order = last;
     if (bound)
-        *bound = reached;
-    return reached <= most ? NCR_OK : NCR_E_LIMIT;
+        *bound = found;
+    return status ? status : found <= most ? NCR_OK : NCR_E_LIMIT;
 }
 
 /* Largest eigenvalue beyond the band limit: the envelope falls, so as far again is far enough. */
@@ -174,20 +195,26 @@ ncr_status ncr_filter_report(const ncr_ctx *ctx, const ncr_prefilter *p, const n
     double left_out, tail, sum[4] = {0}, square = 0;
     ncr_status status = largest_left_out(ctx, lobe, f->band_limit, &left_out);
     if (!status)
-        status = bound_tail(ctx, p, lobe, f, 0, &tail);
+        status = find_tails(ctx, lobe, f, f->band_limit, &tail);
     if (status)
         return status;
     for (uint32_t l = 0; l <= f->band_limit; l++) {
         const double change = f->exact[l] - f->lambda[l];
+        if (l > last_known(p)) {
+            tail += change * change * (2 * l + 1) / (4 * pi);
+            left_out = fmax(left_out, fabs(change));
+            continue;
+        }
         add_degree(p, l, change, sum);
         for (int c = 0; c < 4; c++)
             square += change * change * p->degree_power[4 * (size_t)l + (size_t)c];
     }
+    const double by_map = most_of(sum) + sqrt(tail * 4 * pi) * p->info.unresolved;
     const double by_lobe =
         mean_size(p) * ncr_lobe_truncation(lobe, f->order, f->lambda, f->integral);
     *report = (ncr_prefilter_report){
         .order = f->order,
-        .bound_max = fmin(by_lobe, most_of(sum) + tail),
+        .bound_max = fmin(by_lobe, by_map),
         .bound_rms = hypot(sqrt(square / (4 * pi)), left_out * p->info.unresolved),
         .lambda_error = f->error,
     };

@@ -279,6 +279,71 @@ static void a_sun_costs_few_degrees_once_it_is_peeled(void **state)
     }
 }
 
+/* ---- nine coefficients ----------------------------------------------------------------------- */
+
+/* Their sum stays within the bound, along any axes, with the lights and without a window. */
+static void nine_coefficients_stay_within_their_bound(void **state)
+{
+    (void)state;
+    for (int kind = 0; kind < NCR_MAP_KINDS; kind++) {
+        enum { probes = 60 };
+        ncr_directional_map in = make_map((ncr_map_kind)kind, sizes[kind], turned, sunny_light);
+        ncr_prefilter *p;
+        ncr_prefilter_nine nine;
+        double d[probes][3], want[probes][3], worst = 0;
+        CHECK_STATUS(NCR_OK,
+                     ncr_prefilter_create_for(NULL, &in, 1, lobes, 1e-3,
+                                              NCR_OPTS(ncr_prefilter_opts, .peel = 1e-3), &p));
+        CHECK_STATUS(NCR_OK, ncr_prefilter_nine_get(NULL, p, lobes, NULL, &nine));
+        for (uint64_t k = 0; k < probes; k++)
+            random_direction(k, d[k]);
+        CHECK_STATUS(NCR_OK,
+                     ncr_prefilter_direct_map(NULL, &in, lobes, probes, d[0], want[0], NULL));
+        for (int k = 0; k < probes; k++) {
+            double y[9], sum = 0;
+            ncr_harmonics_basis(2, d[k], y);
+            for (int i = 0; i < 9; i++)
+                sum += nine.filtered[i][1] * y[i];
+            worst = fmax(worst, fabs(sum - want[k][1]));
+            CHECK(sum >= nine.lowest[1] - 0.01 * ncr_prefilter_mean(p), "%g below %g", sum,
+                  nine.lowest[1]);
+        }
+        CHECK(worst <= nine.bound && worst > 0.2 * nine.bound, "kind %d: %g, bound %g", kind, worst,
+              nine.bound);
+        CHECK_NEAR(nine.radiance[0][1] / sqrt(4 * pi), ncr_prefilter_mean(p),
+                   1e-5 * ncr_prefilter_mean(p));
+        ncr_prefilter_destroy(NULL, p);
+        ncr_directional_map_dispose(NULL, &in);
+    }
+}
+
+/* Light from +x, +y and +z alone, in the world's axes whatever the map's. */
+static void axis_light(const double d[3], void *user, float *out)
+{
+    (void)user;
+    for (int c = 0; c < 3; c++)
+        out[c] = (float)(1 + 0.9 * d[c]);
+}
+
+static void coefficients_lie_along_the_axes_of_the_world(void **state)
+{
+    (void)state;
+    static const int term[3] = {3, 1, 2}; /* (1,1) (1,-1) (1,0) rise along x, y, z */
+    ncr_directional_map in = make_map(NCR_MAP_LATLONG, 32, turned, axis_light);
+    ncr_prefilter *p;
+    ncr_prefilter_nine nine;
+    CHECK_STATUS(NCR_OK, ncr_prefilter_create_map(NULL, &in, NULL, &p));
+    CHECK_STATUS(NCR_OK, ncr_prefilter_nine_get(NULL, p, lobes, NULL, &nine));
+    for (int c = 0; c < 3; c++) {
+        for (int k = 1; k < 9; k++)
+            CHECK_NEAR(nine.radiance[k][c], k == term[c] ? 0.9 * sqrt(4 * pi / 3) : 0, 1e-6);
+        CHECK_NEAR(nine.filtered[term[c]][c], 0.6 * sqrt(4 * pi / 3), 1e-6);
+        CHECK_NEAR(nine.lowest[c], 0.4, 2e-3);
+    }
+    ncr_prefilter_destroy(NULL, p);
+    ncr_directional_map_dispose(NULL, &in);
+}
+
 /* ---- the rest -------------------------------------------------------------------------------- */
 
 static void any_number_of_workers_gives_the_same_bits(void **state)
@@ -361,6 +426,8 @@ int main(void)
         cmocka_unit_test(an_order_keeps_its_tolerance_and_no_lower_one_does),
         cmocka_unit_test(a_single_texel_needs_every_degree_of_the_lobe),
         cmocka_unit_test(a_sun_costs_few_degrees_once_it_is_peeled),
+        cmocka_unit_test(nine_coefficients_stay_within_their_bound),
+        cmocka_unit_test(coefficients_lie_along_the_axes_of_the_world),
         cmocka_unit_test(any_number_of_workers_gives_the_same_bits),
         cmocka_unit_test(running_out_of_memory_leaks_nothing),
         cmocka_unit_test(what_cannot_be_is_refused),
