@@ -58,6 +58,8 @@ check_fn check_cielab, check_reductions;
 check_fn check_view_sphere, check_eye_opposites;
 /* ---- check_directions.c ---- */
 check_fn check_map_seams, check_map_orientation;
+/* ---- check_filters.c ---- */
+check_fn check_filter_furnace, check_filter_seams, check_filter_extremes;
 /* ---- check_picture.c ---- */
 check_fn check_scene_scales, check_worker_counts;
 

@@ -22,6 +22,7 @@ typedef struct scatter_job {
     uint32_t height, channels;
     bool clamp;
     size_t parts, floats, run, first; /* of one grid; texels of a part; first texel of this round */
+    double base[4];                   /* what is scattered is light above this */
     float *weights, *grids;           /* grids: [parts][floats] */
     double *sums;                     /* [height][2 height][4] */
     ncr_texel_report found[most_parts];
@@ -46,7 +47,7 @@ static void add_texel(const scatter_job *job, size_t texel, batch *b, ncr_texel_
     for (uint32_t c = 0; c < 4; c++) {
         const bool finite = c < image->channels && in[c] - in[c] == 0;
         const double value = finite && !(job->clamp && in[c] < 0) ? (double)in[c] : 0;
-        b->value[b->count][c] = (float)(area * value);
+        b->value[b->count][c] = (float)(area * (value - job->base[c]));
         found->nonfinite += c < image->channels && !finite;
         found->negative += c < image->channels && in[c] < 0;
         found->square += area * value * value;
@@ -121,6 +122,22 @@ static ncr_status scatter_all(const ncr_ctx *ctx, scatter_job *job)
     return status;
 }
 
+/* A level near the map's: the floats that hold a texel's light then round what is above it alone, and
+ * nothing of a constant. */
+static void choose_base(scatter_job *job)
+{
+    const ncr_image *image = job->texels->image;
+    const size_t texels = (size_t)image->width * image->height;
+    for (uint32_t c = 0; image->channels < 4 && c < image->channels; c++) {
+        double sum = 0;
+        for (size_t k = 0; k < texels; k++) {
+            const float x = image->data[k * image->channels + c];
+            sum += x - x == 0 && !(job->clamp && x < 0) ? (double)x : 0;
+        }
+        job->base[c] = sum / (double)texels;
+    }
+}
+
 /* Texels do not sum a constant to a constant. So what is analysed is the light above its mean, and
  * the fourth channel, where it is free, holds what a map of 1 everywhere gives. */
 static void take_mean(const scatter_job *job, const double apart[4], double mean[4])
@@ -155,7 +172,7 @@ static ncr_status analyse_sums(const ncr_ctx *ctx, const scatter_job *job, const
         status = ncr_harmonics_analyse(ctx, &map, NULL, out, NULL);
     }
     for (uint32_t c = 0; !status && c < channels; c++)
-        ncr_harmonics_at(out, 0, 0)[c] += mean[c] * sqrt(4 * pi);
+        ncr_harmonics_at(out, 0, 0)[c] += (mean[c] + job->base[c]) * sqrt(4 * pi);
     ncr_image_dispose(ctx, &map);
     ncr_free(ctx, weight);
     return status;
@@ -191,6 +208,7 @@ ncr_status ncr_harmonics_gather_texels(const ncr_ctx *ctx, const ncr_texels *tex
         ncr_grid_weights_fill(job.weights);
         job.grid.wide = job.weights;
         job.grid.tall = job.weights + NCR_GRID_WIDE_FLOATS;
+        choose_base(&job);
         status = scatter_all(ctx, &job);
     }
     if (!status)

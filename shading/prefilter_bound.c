@@ -13,7 +13,9 @@
  *
  *   sum <= (sum of |lambda_l - kept_l|^2 (2l+1) / 4 pi)^1/2 U
  *
- * The first is for suns, which have power everywhere; the second for what is smooth. */
+ * The first is for suns, which have power everywhere; the second for what is smooth. Degrees that
+ * were kept beyond those that texels tell apart belong to the texels, not to the light: they count
+ * as doubt. */
 
 static const double pi = 3.14159265358979323846;
 static const double quadrature_error = 1e-12; /* of int k^2 and the eigenvalues */
@@ -203,6 +205,7 @@ ncr_status ncr_filter_report(const ncr_ctx *ctx, const ncr_prefilter *p, const n
         if (l > last_known(p)) {
             tail += change * change * (2 * l + 1) / (4 * pi);
             left_out = fmax(left_out, fabs(change));
+            add_degree(p, l, f->lambda[l], sum);
             continue;
         }
         add_degree(p, l, change, sum);

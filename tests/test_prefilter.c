@@ -579,6 +579,112 @@ static void clamping_says_what_it_adds(void **state)
     ncr_image_dispose(NULL, &b);
 }
 
+/* ---- estimators ------------------------------------------------------------------------------ */
+
+/* A-111: a sun of 1e5 in a sky of 1. Irradiance by 128 samples of the map: half by the cosine and half
+ * by the light found, balanced; or the light alone by its power and the rest by the cosine. */
+enum { sun_w = 1352, sun_h = 676 }; /* a texel is as wide as half the sun: 0.2663 degrees */
+static const double sun_normal[3] = {0.36, 0.48, 0.8};
+
+typedef struct sun_scene {
+    ncr_image map;
+    const ncr_prefilter_light *sun;
+    double axis[2][3]; /* about the normal */
+} sun_scene;
+
+static double look_up(const sun_scene *s, const double d[3])
+{
+    const double theta = acos(fmin(fmax(d[2], -1), 1)), phi = atan2(d[1], d[0]);
+    const uint32_t y = (uint32_t)fmin(theta / pi * sun_h, sun_h - 1);
+    const uint32_t x = (uint32_t)((phi < 0 ? phi + 2 * pi : phi) / (2 * pi) * sun_w) % sun_w;
+    return (double)ncr_image_at(&s->map, x, y)[0];
+}
+
+static void cosine_sample(const sun_scene *s, double u, double v, double d[3])
+{
+    const double r = sqrt(u), phi = 2 * pi * v, z = sqrt(1 - u);
+    for (int k = 0; k < 3; k++)
+        d[k] = r * cos(phi) * s->axis[0][k] + r * sin(phi) * s->axis[1][k] + z * sun_normal[k];
+}
+
+/* The cap about the light that holds its texels: a direction in it, evenly. */
+static const double cap_cos = 1 - 4e-5;
+
+static void cap_sample(const sun_scene *s, double u, double v, double d[3])
+{
+    const double *l = s->sun->direction, z = 1 - u * (1 - cap_cos), r = sqrt(1 - z * z);
+    const double a[3] = {-l[1] / hypot(l[0], l[1]), l[0] / hypot(l[0], l[1]), 0};
+    const double b[3] = {-l[2] * a[1], l[2] * a[0], l[0] * a[1] - l[1] * a[0]};
+    for (int k = 0; k < 3; k++)
+        d[k] = z * l[k] + r * (cos(2 * pi * v) * a[k] + sin(2 * pi * v) * b[k]);
+}
+
+static double dot3(const double a[3], const double b[3])
+{
+    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+}
+
+/* Balance heuristic over both ways to sample. */
+static double balanced(const sun_scene *s, const double d[3])
+{
+    const double c = dot3(d, sun_normal);
+    const bool in_cap = dot3(d, s->sun->direction) >= cap_cos;
+    const double density = 0.5 * fmax(c, 0) / pi + (in_cap ? 0.5 / (2 * pi * (1 - cap_cos)) : 0);
+    return c > 0 ? look_up(s, d) * c / density : 0;
+}
+
+static double estimate(const sun_scene *s, bool peeled, uint64_t run)
+{
+    enum { samples = 128 };
+    double sum = 0;
+    for (uint64_t k = 0; k < samples; k++) {
+        const double u = ncr_uniform(2 * k, run), v = ncr_uniform(2 * k + 1, run);
+        double d[3];
+        if (peeled || k % 2)
+            cosine_sample(s, u, v, d);
+        else
+            cap_sample(s, u, v, d);
+        const bool in_sun = peeled && look_up(s, d) > 100;
+        sum += peeled ? pi * (in_sun ? 1 : look_up(s, d)) : balanced(s, d);
+    }
+    return sum / samples + (peeled ? s->sun->power[0] * dot3(s->sun->direction, sun_normal) : 0);
+}
+
+static void a_peeled_sun_is_estimated_with_little_noise(void **state)
+{
+    (void)state;
+    enum { runs = 400 };
+    sun_scene s = {.axis = {{0.8, -0.6, 0}, {-0.48, -0.64, 0.6}}};
+    CHECK_STATUS(NCR_OK, ncr_image_init(NULL, sun_w, sun_h, 1, &s.map));
+    for (uint32_t k = 0; k < sun_w * sun_h; k++)
+        s.map.data[k] = 1;
+    for (uint32_t k = 0; k < 4; k++) /* about as much as the sun covers */
+        *ncr_image_at(&s.map, 200 + k % 2, 250 + k / 2) = 1e5f;
+    ncr_prefilter *p = prefilter_of(&s.map, NCR_OPTS(ncr_prefilter_opts, .peel = 1e-2));
+    assert_int_equal(ncr_prefilter_info_get(p).light_count, 1);
+    s.sun = ncr_prefilter_lights(p);
+    double mean[2], deviation[2];
+    for (int peeled = 0; peeled < 2; peeled++) {
+        double sum = 0, square = 0;
+        for (uint64_t run = 0; run < runs; run++) {
+            const double e = estimate(&s, peeled, 1000 + run);
+            sum += e;
+            square += e * e;
+        }
+        mean[peeled] = sum / runs;
+        deviation[peeled] = sqrt(fmax(square / runs - mean[peeled] * mean[peeled], 0));
+    }
+    float exact;
+    CHECK_STATUS(NCR_OK, ncr_prefilter_directions(NULL, p, &lambert, NULL, 1,
+                                                  &(ncr_vec3){0.36f, 0.48f, 0.8f}, &exact, NULL));
+    CHECK(deviation[0] < 0.2 * mean[0], "balanced: %g of %g", deviation[0], mean[0]);
+    CHECK(deviation[1] < 0.05 * mean[1], "peeled: %g of %g", deviation[1], mean[1]);
+    CHECK_NEAR(mean[0], mean[1], 4 * (deviation[0] + deviation[1]) / sqrt(runs));
+    CHECK_NEAR(mean[1], pi * (double)exact, 4 * deviation[1] / sqrt(runs) + 1e-4 * mean[1]);
+    ncr_prefilter_destroy(NULL, p);
+    ncr_image_dispose(NULL, &s.map);
+}
+
 /* ---- the rest -------------------------------------------------------------------------------- */
 
 static void strange_texels_are_reported(void **state)
@@ -667,6 +773,7 @@ int main(void)
         cmocka_unit_test(a_peeled_sun_is_found_and_counted),
         cmocka_unit_test(peeling_takes_the_ringing_out),
         cmocka_unit_test(clamping_says_what_it_adds),
+        cmocka_unit_test(a_peeled_sun_is_estimated_with_little_noise),
         cmocka_unit_test(strange_texels_are_reported),
         cmocka_unit_test(any_number_of_workers_gives_the_same_bits),
         cmocka_unit_test(running_out_of_memory_leaks_nothing),
