@@ -64,7 +64,7 @@ ncr_status import_ball(const app *a, const import_ball_options *o, const char *p
     double blind = 0;
     ncr_ball_photo photo = {
         .struct_size = sizeof photo, .distance = o->distance, .reflectance = o->reflectance};
-    ncr_status status = map_kind_word(a, o->to, &kind);
+    ncr_status status = map_kind_word(a, "--to", o->to, &kind);
     if (status == NCR_OK)
         status = ncr_image_read(&a->ctx, picture, &image, NULL);
     if (status != NCR_OK)
