@@ -1,8 +1,9 @@
 /* SPDX-License-Identifier: MIT
  * seeds.c - writes small files of every format into the folders of a fuzzing corpus:
  *
- *     fuzz_seeds CORPUS      with CORPUS/{hdr,exr,png_map,field,map,journal,ktx2} there already */
+ *     fuzz_seeds CORPUS      with CORPUS/{hdr,exr,png_map,field,map,journal,ktx2,rsibr} there already */
 #include "small_field.h"
+#include "small_rsibr.h"
 
 #include "io/image_file.h"
 #include "io/ktx2_file.h"
@@ -163,6 +164,15 @@ static void write_journal(const char *corpus)
     small_bake_dispose(&bake);
 }
 
+static void write_rsibr(const char *corpus)
+{
+    size_t size;
+    small_rsibr_write(fuzz_at("paint").text);
+    uint8_t *data = fuzz_get(fuzz_at("paint/" NCR_RSIBR_MANIFEST).text, &size);
+    fuzz_put(in(corpus, "rsibr/car-paint.json").text, data, size);
+    free(data);
+}
+
 int main(int argc, char **argv)
 {
     if (argc != 2)
@@ -174,5 +184,6 @@ int main(int argc, char **argv)
     write_field_files(argv[1]);
     write_maps(argv[1]);
     write_journal(argv[1]);
+    write_rsibr(argv[1]);
     return 0;
 }
