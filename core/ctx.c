@@ -45,8 +45,7 @@ void *ncr_alloc(const ncr_ctx *ctx, size_t size)
     if (size > SIZE_MAX - 2 * alignment)
         return NULL;
     const size_t total = sizeof(block) + (size + alignment - 1) / alignment * alignment;
-    block *b = ctx && ctx->alloc ? ctx->alloc(ctx->user, total, alignment)
-                                 : alloc_pages(total);
+    block *b = ctx && ctx->alloc ? ctx->alloc(ctx->user, total, alignment) : alloc_pages(total);
     if (!b) {
         ncr_fail(ctx, NCR_E_NOMEM, "out of memory: %zu bytes were refused", size);
         return NULL;
