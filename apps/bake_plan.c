@@ -109,8 +109,8 @@ static void explain_part(const app *a, const ncr_plan_part *part)
         return;
     }
     put_saving(part, saved, sizeof saved);
-    app_say(a, "  left out  %-7s %s; saves %s, error at most %g", part->part, part->reason, saved,
-            part->bound);
+    app_say(a, "  left out  %-7s %s; saves %s, error at most %g, or `%s` tells", part->part,
+            part->reason, saved, part->bound, part->counter);
 }
 
 void bake_plan_explain(const app *a, const bake_plan *plan, const ncr_plan *made)
@@ -137,11 +137,11 @@ void bake_plan_warn(const app *a, const ncr_plan *made)
 
 static json_t *part_json(const ncr_plan_part *part)
 {
-    return json_pack("{s:s, s:s, s:f, s:I, s:I, s:I, s:I, s:I}", "part", part->part, "reason",
-                     part->reason, "bound", part->bound, "saved_rays", (json_int_t)part->saved_rays,
-                     "of_rays", (json_int_t)part->of_rays, "saved_bytes",
-                     (json_int_t)part->saved_bytes, "of_bytes", (json_int_t)part->of_bytes,
-                     "refuted", (json_int_t)part->refuted);
+    return json_pack("{s:s, s:s, s:s, s:f, s:I, s:I, s:I, s:I, s:I}", "part", part->part, "reason",
+                     part->reason, "counter", part->counter, "bound", part->bound, "saved_rays",
+                     (json_int_t)part->saved_rays, "of_rays", (json_int_t)part->of_rays,
+                     "saved_bytes", (json_int_t)part->saved_bytes, "of_bytes",
+                     (json_int_t)part->of_bytes, "refuted", (json_int_t)part->refuted);
 }
 
 json_t *bake_plan_json(const ncr_plan *made)

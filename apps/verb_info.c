@@ -52,17 +52,19 @@ static ncr_status describe_field(const info_options *o, json_t *out)
     app_say(a, "sample maps: %u patches on %u pages of %ux%u; light in memory %.1f MB",
             field.map.patch_count, field.map.page_count, field.map.page_width,
             field.map.page_height, 1e-6 * (double)bytes);
+    if (!field.depth)
+        app_say(a, "distances were not captured");
     if (field.omitted_tiles)
         app_say(a, "%llu of %zu tiles left out", (unsigned long long)field.omitted_tiles,
                 ncr_tile_number(field.cube, (uint32_t)field.points.count, 0, 0, 0));
     app_say(a, "baked from scene %s%s", field.scene_hash, o->verify ? "; checksums agree" : "");
-    json_object_update_new(out, json_pack("{s:s, s:s, s:I, s:i, s:f, s:i, s:I, s:I, s:s, s:b}",
-                                          "kind", "field", "object", field.object, "points",
-                                          (json_int_t)field.points.count, "cube", (int)field.cube,
-                                          "epsilon", field.epsilon, "patches",
-                                          (int)field.map.patch_count, "bytes", (json_int_t)bytes,
-                                          "omitted_tiles", (json_int_t)field.omitted_tiles, "scene",
-                                          field.scene_hash, "verified", (int)o->verify));
+    json_object_update_new(
+        out, json_pack("{s:s, s:s, s:I, s:i, s:f, s:i, s:I, s:I, s:s, s:b, s:b}", "kind", "field",
+                       "object", field.object, "points", (json_int_t)field.points.count, "cube",
+                       (int)field.cube, "epsilon", field.epsilon, "patches",
+                       (int)field.map.patch_count, "bytes", (json_int_t)bytes, "omitted_tiles",
+                       (json_int_t)field.omitted_tiles, "scene", field.scene_hash, "verified",
+                       (int)o->verify, "distances", (int)field.depth));
     ncr_field_dispose(&a->ctx, &field);
     return NCR_OK;
 }

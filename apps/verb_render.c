@@ -258,14 +258,17 @@ static void say_result(const render_job *job, const ncr_method *method, const ch
                 "note: %llu look-ups met tiles that the field leaves out; it was baked for other "
                 "methods or cameras",
                 (unsigned long long)st->trapped);
-    json_t *object =
-        json_pack("{s:s, s:s, s:s, s:I, s:I, s:{s:f, s:f, s:f, s:f}, s:I, s:I, s:I, s:I}", "schema",
-                  "nacre.render/1", "method", job->o->method, "term", term, "pixels",
-                  (json_int_t)job->v.gbuffer.width * job->v.gbuffer.height, "shaded",
-                  (json_int_t)st->shaded, "seconds", "light", job->s.light.seconds, "gbuffer",
-                  job->v.stats.seconds, "shade", st->seconds, "total", total, "lookups",
-                  (json_int_t)st->lookups, "rays", (json_int_t)st->rays, "fallbacks",
-                  (json_int_t)st->fallbacks, "trapped", (json_int_t)st->trapped);
+    if (st->missed_distances)
+        app_say(a, "note: %llu distances were asked for, and the field was baked without them",
+                (unsigned long long)st->missed_distances);
+    json_t *object = json_pack(
+        "{s:s, s:s, s:s, s:I, s:I, s:{s:f, s:f, s:f, s:f}, s:I, s:I, s:I, s:I, s:I}", "schema",
+        "nacre.render/1", "method", job->o->method, "term", term, "pixels",
+        (json_int_t)job->v.gbuffer.width * job->v.gbuffer.height, "shaded", (json_int_t)st->shaded,
+        "seconds", "light", job->s.light.seconds, "gbuffer", job->v.stats.seconds, "shade",
+        st->seconds, "total", total, "lookups", (json_int_t)st->lookups, "rays",
+        (json_int_t)st->rays, "fallbacks", (json_int_t)st->fallbacks, "trapped",
+        (json_int_t)st->trapped, "missed_distances", (json_int_t)st->missed_distances);
     if (job->field.source)
         add_traffic(job, object);
     app_print_json(a, object);

@@ -134,6 +134,17 @@ uint64_t ncr_lightfield_overflows(const ncr_lightfield *field)
     return atomic_load(&field->overflows);
 }
 
+uint64_t ncr_lightfield_missed_distances(const ncr_lightfield *field)
+{
+    return atomic_load(&field->missed_distances);
+}
+
+static float missed_distance(const ncr_lightfield *field)
+{
+    atomic_fetch_add(&((ncr_lightfield *)field)->missed_distances, 1); /* no field is made const */
+    return 0;
+}
+
 /* Index of a texel; x and y may be -1 or n, the apron. */
 static size_t texel_index(const ncr_lightfield *field, uint32_t point, uint32_t face, int x, int y)
 {
@@ -335,19 +346,24 @@ void ncr_lightfield_texel(const ncr_lightfield *field, uint32_t point, uint32_t 
 {
     assert(point < field->points && face < 6 && x < field->n && y < field->n);
     float texel[4];
+    float *kept = field->has_depth ? z : NULL;
     if (field->stream)
-        ncr_stream_texel(field, point, face, x, y, texel, z);
+        ncr_stream_texel(field, point, face, x, y, texel, kept);
     else
         load(field, field->texels, texel_index(field, point, face, (int)x, (int)y), texel);
     for (int c = 0; c < 3; c++)
         rgb[c] = texel[c] * field->scale;
-    if (z && !field->stream)
-        *z = field->depth ? field->depth[depth_index(field, point, face, x, y)] : INFINITY;
+    if (kept && !field->stream)
+        *kept = field->depth[depth_index(field, point, face, x, y)];
+    if (z && !kept)
+        *z = missed_distance(field);
 }
 
 float ncr_lightfield_distance(const ncr_lightfield *field, uint32_t point, ncr_vec3 d)
 {
-    assert(field->has_depth && point < field->points);
+    assert(point < field->points);
+    if (!field->has_depth)
+        return missed_distance(field);
     const ncr_cube_coord c = ncr_cube_from_direction(d);
     const float n = (float)field->n;
     const uint32_t x = (uint32_t)((c.s + 1.0f) * 0.5f * n), y = (uint32_t)((c.t + 1.0f) * 0.5f * n);

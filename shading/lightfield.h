@@ -120,11 +120,17 @@ NCR_API size_t ncr_lightfield_bytes(const ncr_lightfield *field);
 NCR_API ncr_tile_sink ncr_lightfield_sink(ncr_lightfield *field);
 NCR_API uint64_t ncr_lightfield_overflows(const ncr_lightfield *field);
 
+/** How many distances were asked for of a field that keeps none, so far; each was answered with 0,
+ *  as where nothing was captured. A plan that leaves distances out was wrong for who asks.
+ *                                                                                       [Z-07] */
+NCR_API uint64_t ncr_lightfield_missed_distances(const ncr_lightfield *field);
+
 /** Fill the aprons from the neighbouring faces once every tile is in: edges from the adjacent
  *  face's texels, corners by the mean of the three that meet. Look-ups need it.   [H 2.4] */
 NCR_API ncr_status ncr_lightfield_seal(const ncr_ctx *ctx, ncr_lightfield *field);
 
-/** Texel as stored, rgb in radiance units; x,y < n (apron excluded); z may be NULL. */
+/** Texel as stored, rgb in radiance units; x,y < n (apron excluded); z may be NULL: as
+ *  ncr_lightfield_distance gives it. */
 NCR_API void ncr_lightfield_texel(const ncr_lightfield *field, uint32_t point, uint32_t face,
                                   uint32_t x, uint32_t y, float rgb[3], float *z);
 
@@ -132,7 +138,8 @@ NCR_API void ncr_lightfield_texel(const ncr_lightfield *field, uint32_t point, u
 NCR_API ncr_vec3 ncr_lightfield_fetch(const ncr_lightfield *field, uint32_t point, ncr_vec3 d);
 
 /** Distance at `point` in direction d, of the nearest texel: never interpolated across a
- *  silhouette; +inf for sky, 0 where nothing was captured. The field has depth.     [S-15] */
+ *  silhouette; +inf for sky, 0 where nothing was captured.                          [S-15]
+ *  A field without distances gives 0 and counts it: ncr_lightfield_missed_distances. */
 NCR_API float ncr_lightfield_distance(const ncr_lightfield *field, uint32_t point, ncr_vec3 d);
 
 /**

@@ -23,7 +23,8 @@ struct ncr_lightfield {
     float *depth; /* [point][face][n][n], no apron */
     size_t bytes;
     _Atomic uint64_t overflows;
-    struct ncr_face_stream *stream; /* faces are read when looked at; NULL: all are in memory */
+    _Atomic uint64_t missed_distances; /* counted by readers, to whom the rest is const */
+    struct ncr_face_stream *stream;    /* faces are read when looked at; NULL: all are in memory */
 };
 
 static inline size_t ncr_texel_bytes(ncr_texel_format format)
@@ -57,6 +58,7 @@ ncr_status ncr_lightfield_begin(const ncr_ctx *ctx, uint32_t points, uint32_t n,
 void ncr_stream_destroy(const ncr_ctx *ctx, struct ncr_face_stream *stream);
 /* A look-up's mixed texel: rgb as stored, and the share that was captured. */
 void ncr_stream_fetch(const ncr_lightfield *field, uint32_t point, ncr_vec3 d, float texel[4]);
+/* z: NULL where the field keeps no distances. */
 void ncr_stream_texel(const ncr_lightfield *field, uint32_t point, uint32_t face, uint32_t x,
                       uint32_t y, float texel[4], float *z);
 

@@ -4,7 +4,6 @@
 #include "shading/face_stream_internal.h"
 
 #include <assert.h>
-#include <math.h>
 #include <string.h>
 
 enum { AT_ONCE = 1024, BUCKETS = 2048 };
@@ -222,7 +221,7 @@ void ncr_stream_texel(const ncr_lightfield *field, uint32_t point, uint32_t face
     const char *at = ncr_tile_cache_acquire(field->stream->cache, key);
     memset(texel, 0, 4 * sizeof *texel);
     if (z)
-        *z = field->has_depth && !at ? 0 : INFINITY;
+        *z = 0;
     if (!at)
         return;
     const char *from = at + ((y + 1) * field->row + x + 1) * size;
@@ -232,7 +231,7 @@ void ncr_stream_texel(const ncr_lightfield *field, uint32_t point, uint32_t face
         ncr_half_to_floats(4, halves, texel);
     } else
         memcpy(texel, from, 4 * sizeof *texel);
-    if (z && field->has_depth)
+    if (z)
         memcpy(z, at + field->stream->depth_at + (y * n + x) * sizeof *z, sizeof *z);
     ncr_tile_cache_release(field->stream->cache, key);
 }

@@ -395,6 +395,11 @@ static ncr_status run_chunks(const ncr_ctx *ctx, shade_call *call, ncr_shade_sta
     return status;
 }
 
+static uint64_t missed_distances(const ncr_shading_inputs *in)
+{
+    return in->light ? ncr_lightfield_missed_distances(in->light) : 0;
+}
+
 static bool is_black(const float rgb[3])
 {
     return rgb[0] == 0 && rgb[1] == 0 && rgb[2] == 0;
@@ -432,7 +437,9 @@ ncr_status ncr_method_shade(const ncr_ctx *ctx, const ncr_method *method, ncr_te
                                    .lift = lift_of(inputs)};
         if (inputs->horizon_off)
             call.job.horizon = -2;
+        const uint64_t missed = missed_distances(inputs);
         status = run_chunks(ctx, &call, &sum);
+        sum.missed_distances = missed_distances(inputs) - missed;
         if (status == NCR_OK && inputs->light)
             status = ncr_lightfield_status(inputs->light);
     }

@@ -64,6 +64,9 @@ typedef struct ncr_shade_stats {
     uint64_t rays;
     uint64_t fallbacks; /* pixels where a rule had no answer and its fallback was taken */
     uint64_t trapped;   /* look-ups of texels that were never captured */
+    /** Distances asked for of a field without any, by whoever read it meanwhile: 0 for every method
+     *  here, none of which reads distances. */
+    uint64_t missed_distances;
     double seconds;
 } ncr_shade_stats;
 

@@ -24,13 +24,13 @@ struct ncr_plan {
 };
 
 static const struct {
-    const char *name;
+    const char *name, *counter;
     unsigned bit;
-} part_names[] = {{"tiles", NCR_PLAN_TILES},
-                  {"mirror", NCR_PLAN_MIRROR},
-                  {"depth", NCR_PLAN_DEPTH},
-                  {"sight", NCR_PLAN_SIGHT},
-                  {"all", NCR_PLAN_ALL}};
+} part_names[] = {{"tiles", "trapped", NCR_PLAN_TILES},
+                  {"mirror", "trapped", NCR_PLAN_MIRROR},
+                  {"depth", "missed_distances", NCR_PLAN_DEPTH},
+                  {"sight", "refuted", NCR_PLAN_SIGHT},
+                  {"all", NULL, NCR_PLAN_ALL}};
 
 unsigned ncr_plan_part_bit(const char *name)
 {
@@ -38,6 +38,14 @@ unsigned ncr_plan_part_bit(const char *name)
         if (!strcmp(name, part_names[k].name))
             return part_names[k].bit;
     return 0;
+}
+
+static const char *counter_of(const char *name)
+{
+    size_t k = 0;
+    while (strcmp(name, part_names[k].name))
+        k++;
+    return part_names[k].counter;
 }
 
 __attribute__((format(printf, 3, 4))) static ncr_plan_part *
@@ -49,7 +57,7 @@ add_part(ncr_plan *plan, const char *name, const char *format, ...)
     vsnprintf(reason, reason_room, format, arguments);
     va_end(arguments);
     ncr_plan_part *part = &plan->parts[plan->part_count++];
-    *part = (ncr_plan_part){.part = name, .reason = reason};
+    *part = (ncr_plan_part){.part = name, .reason = reason, .counter = counter_of(name)};
     return part;
 }
 

@@ -39,6 +39,9 @@ typedef struct ncr_plan_opts {
 /** A part and what became of it. */
 typedef struct ncr_plan_part {
     const char *part, *reason; /* "tiles"; one line */
+    /** Where a mistake would show, 0 otherwise: "trapped" and "missed_distances" of
+     *  ncr_shade_stats, "refuted" below. */
+    const char *counter;
     bool omitted;
     double bound; /* on what that changes in a pixel, linear radiance; 0: nothing, to the bit */
     uint64_t saved_rays, saved_bytes; /* view rays, of `sight` its own; bytes of texels */

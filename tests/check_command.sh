@@ -83,7 +83,7 @@ for method in trace envmap proxy distance angle average cosine-r:4 cosine-n:4 ab
 done
 cp "$work/out" "$work/render.json"
 member "$work/render.json" schema method term pixels shaded seconds.gbuffer seconds.shade seconds.total \
-    lookups rays fallbacks trapped
+    lookups rays fallbacks trapped missed_distances
 for method in nearest average4; do
     expect 0 "pixels" render $scene --preset quick --field "$work/s.field" --method $method \
         --term recon --object-only -o "$work/$method.exr"

@@ -151,6 +151,7 @@ static uint64_t shade(const subject *s, const ncr_lightfield *light, const char 
     CHECK_STATUS(NCR_OK,
                  ncr_method_shade(&one_worker, &method, recon ? NCR_TERM_RECON : NCR_TERM_REFLECT,
                                   NULL, NULL, &in, g, image, &stats));
+    assert_int_equal(0, stats.missed_distances);
     return stats.trapped;
 }
 
@@ -772,6 +773,65 @@ static void a_bake_traces_what_its_plan_keeps(void **state)
     world_dispose(&w);
 }
 
+/* A plan for methods that read no distances: these leave its counter at 0, and who asks all the
+ * same is answered with 0 and counted.                                                  [Z-07] */
+static void distances_that_a_plan_left_out_are_counted_when_asked_for(void **state)
+{
+    static const char *const declared[] = {"distance", "angle", "average", "cosine-n:4", "nearest"};
+    test_world w = {0};
+    (void)state;
+    const uint32_t ball = world_add_sphere(&w, (double[3]){0}, 1, false, world_grey(0.5f));
+    w.materials[ball].specular[0] = 1;
+    world_close(&w, &world_even_sky);
+    world_light(&w, NCR_OPTS(ncr_irradiance_opts, .rays = 16, .bounces = 1));
+    const ncr_tracer tracer = world_tracer(&w);
+    ncr_method methods[5];
+    for (int k = 0; k < 5; k++)
+        CHECK_STATUS(NCR_OK, ncr_method_find(NULL, declared[k], &methods[k]));
+    const ncr_camera camera = {.eye = {1, -6, 3}, .up = {0, 0, 1}, .fov_deg = 25};
+    for (unsigned force = 0; force <= NCR_PLAN_DEPTH; force += NCR_PLAN_DEPTH) {
+        const ncr_plan_opts plan = {.struct_size = sizeof plan,
+                                    .method_count = 5,
+                                    .methods = methods,
+                                    .camera = &camera,
+                                    .force = NCR_PLAN_TILES | force};
+        const ncr_bake_opts opts = {.struct_size = sizeof opts,
+                                    .object = ball,
+                                    .grid = {.points = 30, .epsilon = 0.1},
+                                    .map = {.resolution = 16},
+                                    .cube = 8,
+                                    .plan = &plan};
+        ncr_baked baked;
+        ncr_lightfield *light;
+        ncr_gbuffer g;
+        CHECK_STATUS(NCR_OK,
+                     ncr_bake(&one_worker, &tracer, &opts, open_light, &light, &baked, NULL));
+        assert_string_equal("missed_distances", part_of(baked.plan, "depth")->counter);
+        CHECK_STATUS(NCR_OK, ncr_gbuffer_init(NULL, 60, 40, &g));
+        CHECK_STATUS(NCR_OK, ncr_gbuffer_fill(&one_worker, w.scene, &camera, NULL, &g, NULL));
+        const subject s = {
+            .world = &w.world, .object = ball, .points = baked.points, .map = baked.map};
+        for (int k = 0; k < 5; k++) {
+            ncr_image image;
+            shade(&s, light, declared[k], &g, &image);
+            ncr_image_dispose(NULL, &image);
+        }
+        assert_int_equal(0, ncr_lightfield_missed_distances(light));
+
+        float rgb[3], z = -1;
+        const float far = ncr_lightfield_distance(light, 0, v_make(0, 0, 1));
+        ncr_lightfield_texel(light, 0, 0, 1, 1, rgb, NULL);
+        assert_int_equal(force ? 0 : 1, ncr_lightfield_missed_distances(light));
+        ncr_lightfield_texel(light, 0, 0, 1, 1, rgb, &z);
+        assert_int_equal(force ? 0 : 2, ncr_lightfield_missed_distances(light));
+        assert_true(force ? far > 0 && z > 0 : far == 0 && z == 0);
+        ncr_gbuffer_dispose(NULL, &g);
+        ncr_lightfield_destroy(&one_worker, light);
+        ncr_baked_dispose(&one_worker, &baked);
+    }
+    world_dispose(&w);
+}
+
 /* --- manners --------------------------------------------------------------------------------- */
 
 static void plans_are_the_same_for_any_number_of_workers(void **state)
@@ -844,6 +904,7 @@ int main(void)
         cmocka_unit_test(nothing_declared_leaves_no_tile_out),
         cmocka_unit_test(a_dull_object_needs_no_reflections),
         cmocka_unit_test(a_bake_traces_what_its_plan_keeps),
+        cmocka_unit_test(distances_that_a_plan_left_out_are_counted_when_asked_for),
         cmocka_unit_test(plans_are_the_same_for_any_number_of_workers),
         cmocka_unit_test(what_cannot_be_planned_is_refused),
     };

@@ -368,6 +368,7 @@ static void expect_single_look_ups(const ncr_lightfield *a, const ncr_lightfield
                                    const look_ups *l)
 {
     const uint32_t n = ncr_lightfield_resolution(a);
+    const uint64_t missed = ncr_lightfield_missed_distances(b);
     for (uint32_t k = 0; k < 100; k++) {
         const ncr_vec3 d = {l->d[0][k], l->d[1][k], l->d[2][k]};
         const uint32_t p = k % field_points;
@@ -382,6 +383,8 @@ static void expect_single_look_ups(const ncr_lightfield *a, const ncr_lightfield
         if (ncr_lightfield_has_depth(a))
             assert_true(ncr_lightfield_distance(a, p, d) == ncr_lightfield_distance(b, p, d));
     }
+    assert_int_equal(ncr_lightfield_has_depth(b) ? 0 : 100,
+                     ncr_lightfield_missed_distances(b) - missed);
 }
 
 static void streamed_light_is_that_in_memory_to_the_bit(void **state)
