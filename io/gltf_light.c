@@ -16,17 +16,18 @@ static const double pi = 3.14159265358979323846;
 
 /* ---- Irradiance ---- */
 
+/* With the sign of Condon and Shortley: (-1)^m. */
 static void harmonics(const double d[3], double y[9])
 {
     const double a = sqrt(1 / (4 * pi)), b = sqrt(3 / (4 * pi)), c = sqrt(15 / (4 * pi));
     y[0] = a;
-    y[1] = b * d[1];
+    y[1] = -b * d[1];
     y[2] = b * d[2];
-    y[3] = b * d[0];
+    y[3] = -b * d[0];
     y[4] = c * d[0] * d[1];
-    y[5] = c * d[1] * d[2];
+    y[5] = -c * d[1] * d[2];
     y[6] = c / sqrt(12) * (3 * d[2] * d[2] - 1);
-    y[7] = c * d[0] * d[2];
+    y[7] = -c * d[0] * d[2];
     y[8] = c / 2 * (d[0] * d[0] - d[1] * d[1]);
 }
 
@@ -42,6 +43,7 @@ static void add_quarter(const ncr_directional_map *map, uint32_t part, double x,
     ncr_map_to_direction(map->kind, at, own);
     ncr_axes_undo(map->axes, own, world);
     ncr_axes_apply(ncr_world_y_up(), world, d);
+    d[0] = -d[0]; /* the cube's axes, as its faces have them */
     harmonics(d, value);
     for (int k = 0; k < 9; k++)
         out[k] += area * value[k];

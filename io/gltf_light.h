@@ -25,13 +25,16 @@ typedef struct ncr_gltf_light_report {
 } ncr_gltf_light_report;
 
 /**
- * The nine coefficients of irradiance that the extension wants, for a world with y up:
+ * The nine coefficients of irradiance that the extension wants, in the axes of its cube: (x, y, z)
+ * there is (-x, y, z) of a right-handed world with y up, as the faces have it.
  *
  *     E(n) = sum c_lm Y_lm(n),   c_lm = A_l int L(d) Y_lm(d) dd,   A = pi, 2 pi/3, pi/4
  *
  * in the order (0,0), (1,-1), (1,0), (1,1), (2,-2) ... (2,2), with the real orthonormal Y of
- * [Ramamoorthi01] and no sign of their own: .282095, .488603 (y, z, x), 1.092548 xy, 1.092548 yz,
- * .315392 (3 z^2 - 1), 1.092548 xz, .546274 (x^2 - y^2). E is irradiance, not divided by pi.
+ * [Ramamoorthi01] times (-1)^m: .282095, -.488603 y, .488603 z, -.488603 x, 1.092548 xy,
+ * -1.092548 yz, .315392 (3 z^2 - 1), -1.092548 xz, .546274 (x^2 - y^2). E is irradiance, not divided
+ * by pi. The extension's text says nothing of axes and sign: these are its first reader's
+ * (Babylon.js, since version 4).
  *
  * @param map  radiance, 3 channels
  *
@@ -45,8 +48,9 @@ NCR_API void ncr_gltf_irradiance(const ncr_directional_map *map, double out[9][3
  * them in base64.
  *
  * Faces are PNG of 8 bits and 4 channels, RGBD as the extension's first reader unpacks it:
- * radiance = (rgb/255)^2.2 / (a/255), at most 255 times the intensity. The world of the file has y
- * up, whatever axes the maps have. What packing cost is also told in the light's `extras`.
+ * radiance = (rgb/255)^2.2 / (a/255), at most 255 times the intensity, laid out by the convention
+ * "gltf". The world of the file has y up, whatever axes the maps have. What packing cost is also told
+ * in the light's `extras`.
  *
  * @param levels      [count <= NCR_GLTF_LEVELS] maps of any kind, 3 channels: radiance filtered for
  *                    roughness k / (count - 1); level k is stored with faces of size >> k

@@ -79,11 +79,13 @@ static json_t *coefficients(const double irradiance[9][3], double intensity)
 /* What a reader of the file should know and the extension has no word for. */
 static json_t *extras(const ncr_gltf_light_report *r)
 {
-    return json_pack("{s:{s:s, s:s, s:{s:I, s:f, s:f, s:f}}}", "nacre", "encoding",
-                     "RGBD: radiance / intensity = (rgb/255)^2.2 / (a/255)", "irradiance",
-                     "E(n) = sum c_lm Y_lm(n), real orthonormal Y, not divided by pi; +Y up",
-                     "packing", "clamped", (json_int_t)r->clamped, "lost", r->lost, "worst",
-                     r->worst, "rms", r->rms);
+    return json_pack(
+        "{s:{s:s, s:s, s:{s:I, s:f, s:f, s:f}}}", "nacre", "encoding",
+        "RGBD: radiance / intensity = (rgb/255)^2.2 / (a/255)", "irradiance",
+        "E(n) = sum c_lm Y_lm(-x, y, z), real orthonormal Y times (-1)^m, not divided by pi; "
+        "+Y up",
+        "packing", "clamped", (json_int_t)r->clamped, "lost", r->lost, "worst", r->worst, "rms",
+        r->rms);
 }
 
 static json_t *light(const ncr_gltf_images *images, uint32_t size, const double irradiance[9][3],

@@ -13,18 +13,19 @@
 static const ncr_ctx *const ctx = &files_ctx;
 static const double pi = 3.14159265358979323846;
 
-/* Irradiance of the file, in its own world, as [Ramamoorthi01] has it in its equation 13. */
+/* Irradiance for a normal of the file's world: the cube's x is the world's reversed, and harmonics
+ * of odd m are negative. */
 static double irradiance(const double c[9][3], const double n[3], int channel)
 {
-    const double x = n[0], y = n[1], z = n[2];
+    const double x = -n[0], y = n[1], z = n[2];
     const double basis[9] = {.28209479177387814,
-                             .48860251190291992 * y,
+                             -.48860251190291992 * y,
                              .48860251190291992 * z,
-                             .48860251190291992 * x,
+                             -.48860251190291992 * x,
                              1.0925484305920792 * x * y,
-                             1.0925484305920792 * y * z,
+                             -1.0925484305920792 * y * z,
                              .31539156525252005 * (3 * z * z - 1),
-                             1.0925484305920792 * x * z,
+                             -1.0925484305920792 * x * z,
                              .54627421529603959 * (x * x - y * y)};
     double sum = 0;
     for (int k = 0; k < 9; k++)
@@ -113,21 +114,40 @@ static uint32_t number(const uint8_t *p)
     return (uint32_t)p[0] | (uint32_t)p[1] << 8 | (uint32_t)p[2] << 16 | (uint32_t)p[3] << 24;
 }
 
+/* The length and start of a chunk, which starts and ends at a multiple of four. */
+static uint32_t chunk_at(const parsed *p, size_t at, const char *type)
+{
+    assert_true(at % 4 == 0 && at + 8 <= p->size);
+    const uint32_t length = number(p->data + at);
+    assert_int_equal(length % 4, 0);
+    assert_true(length <= p->size - at - 8);
+    assert_memory_equal(p->data + at + 4, type, 4);
+    return length;
+}
+
+/* GLB, version 2: a header of twelve bytes, JSON filled up with spaces, one buffer with zeros, and
+ * nothing more.                                                                    [glTF 4.4] */
 static void parse_binary(parsed *p)
 {
+    assert_true(p->size >= 12);
     assert_memory_equal(p->data, "glTF", 4);
     assert_int_equal(number(p->data + 4), 2);
     assert_int_equal(number(p->data + 8), p->size);
-    const uint32_t text = number(p->data + 12);
-    assert_int_equal(text % 4, 0);
-    assert_memory_equal(p->data + 16, "JSON", 4);
-    p->root = json_loadb((const char *)p->data + 20, text, 0, NULL);
-    const uint8_t *chunk = p->data + 20 + text;
-    assert_memory_equal(chunk + 4, "BIN", 4);
-    p->buffer_size = number(chunk);
+    const uint32_t text = chunk_at(p, 12, "JSON");
+    assert_int_equal(p->data[20], '{');
+    p->root = json_loadb((const char *)p->data + 20, text, JSON_REJECT_DUPLICATES, NULL);
+    assert_non_null(p->root);
+    uint32_t end = text;
+    while (p->data[19 + end] == ' ')
+        end--;
+    assert_true(p->data[19 + end] == '}' && text - end < 4);
+    p->buffer_size = chunk_at(p, 20 + text, "BIN");
     assert_int_equal(20 + text + 8 + p->buffer_size, p->size);
+    const json_t *buffers = json_object_get(p->root, "buffers");
+    assert_int_equal(json_array_size(buffers), 1);
+    assert_null(json_object_get(json_array_get(buffers, 0), "uri"));
     p->buffer = malloc(p->buffer_size);
-    memcpy(p->buffer, chunk + 8, p->buffer_size);
+    memcpy(p->buffer, p->data + 28 + text, p->buffer_size);
 }
 
 static uint32_t digit_value(char c)
@@ -206,7 +226,9 @@ static double *face_of(const parsed *p, uint32_t level, uint32_t face, uint32_t 
         json_array_get(json_object_get(p->root, "bufferViews"), (size_t)integer(i, "bufferView"));
     const size_t offset = (size_t)integer(view, "byteOffset");
     const size_t length = (size_t)integer(view, "byteLength");
-    assert_true(offset + length <= p->buffer_size);
+    assert_true(offset % 4 == 0 && offset + length <= p->buffer_size);
+    for (size_t k = offset + length; k % 4; k++) /* zeros up to the next */
+        assert_int_equal(p->buffer[k], 0);
     png_image png = {.version = PNG_IMAGE_VERSION};
     assert_true(png_image_begin_read_from_memory(&png, p->buffer + offset, length));
     assert_true(png.width == size && png.height == size && png.format == PNG_FORMAT_RGBA);
@@ -220,25 +242,27 @@ static double *face_of(const parsed *p, uint32_t level, uint32_t face, uint32_t 
     return out;
 }
 
-/* What an eye in a right-handed world with y up sees: the axis ahead, to the right and down. */
-static const double views[6][3][3] = {
-    {{1, 0, 0}, {0, 0, 1}, {0, -1, 0}},  {{-1, 0, 0}, {0, 0, -1}, {0, -1, 0}},
-    {{0, 1, 0}, {-1, 0, 0}, {0, 0, 1}},  {{0, -1, 0}, {-1, 0, 0}, {0, 0, -1}},
-    {{0, 0, 1}, {-1, 0, 0}, {0, -1, 0}}, {{0, 0, -1}, {1, 0, 0}, {0, -1, 0}},
+/* What OpenGL looks up on each face: the axis ahead, along s, along t. Its table 8.19. */
+static const double faces_of_gl[6][3][3] = {
+    {{1, 0, 0}, {0, 0, -1}, {0, -1, 0}}, {{-1, 0, 0}, {0, 0, 1}, {0, -1, 0}},
+    {{0, 1, 0}, {1, 0, 0}, {0, 0, 1}},   {{0, -1, 0}, {1, 0, 0}, {0, 0, -1}},
+    {{0, 0, 1}, {1, 0, 0}, {0, -1, 0}},  {{0, 0, -1}, {-1, 0, 0}, {0, -1, 0}},
 };
 
+/* The extension's first reader puts each image's lowest row at t = 0 and looks up (-x, y, z). */
 static void check_face(const parsed *p, uint32_t level, uint32_t face, uint32_t size,
                        const ncr_directional_map *map)
 {
     double *values = face_of(p, level, face, size), worst = 0;
     for (uint32_t y = 0; y < size; y++) {
         for (uint32_t x = 0; x < size; x++) {
-            const double s = (2.0 * x + 1) / size - 1, t = (2.0 * y + 1) / size - 1;
+            const double s = (2.0 * x + 1) / size - 1, t = (2.0 * (size - 1 - y) + 1) / size - 1;
+            const double(*gl)[3] = faces_of_gl[face];
             double d[3], world[3];
             float expected[3];
             for (int k = 0; k < 3; k++)
-                d[k] = views[face][0][k] + s * views[face][1][k] + t * views[face][2][k];
-            world[0] = d[0]; /* (x, y, z) of the file is (x, -z, y) here */
+                d[k] = gl[0][k] + s * gl[1][k] + t * gl[2][k];
+            world[0] = -d[0]; /* (x, y, z) of the file is (x, -z, y) here */
             world[1] = -d[2];
             world[2] = d[1];
             ncr_directional_map_look_up(map, world, expected);
@@ -281,8 +305,8 @@ static void check_document(const parsed *p, uint32_t count, uint32_t size)
     }
 }
 
-/* Levels of the chart: letters unmirrored for an eye within, in a world with y up. */
-static void every_face_shows_what_an_eye_within_sees(void **state)
+/* Levels of the chart: what a reader looks up is what is there, in a world with y up. */
+static void every_look_up_finds_what_is_in_its_direction(void **state)
 {
     (void)state;
     for (int binary = 0; binary < 2; binary++) {
@@ -399,7 +423,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(coefficients_are_the_irradiance),
         cmocka_unit_test(packing_keeps_what_eight_bits_can),
-        cmocka_unit_test(every_face_shows_what_an_eye_within_sees),
+        cmocka_unit_test(every_look_up_finds_what_is_in_its_direction),
         cmocka_unit_test(what_packing_costs_is_told),
         cmocka_unit_test(wrong_calls_write_nothing),
         cmocka_unit_test(running_out_of_memory_leaves_nothing_behind),
