@@ -20,11 +20,12 @@ typedef struct filtered_level {
     bool mirror;
     bool summed; /* over all texels: no degrees kept the tolerance */
     ncr_prefilter_report report;
-    uint64_t negative;  /* values below 0 that were left */
-    double bound;       /* on the error: what was left out, interpolation and rounding */
-    double error;       /* measured: the largest, against the sum over all texels */
-    double nrmse;       /* measured: root mean square over root mean square */
-    double texel_error; /* what that sum itself gets wrong on a map of 1 everywhere */
+    uint64_t negative;   /* values below 0 that were left */
+    double bound;        /* on the error: what was left out, interpolation and rounding */
+    double error;        /* measured: the largest, against the sum over all texels */
+    double nrmse;        /* measured: root mean square over root mean square */
+    double nrmse_spread; /* standard deviation of that over choices of directions */
+    double texel_error;  /* what that sum itself gets wrong on a map of 1 everywhere */
     double seconds;
 } filtered_level;
 
@@ -66,8 +67,9 @@ typedef struct probe_set {
 } probe_set;
 ncr_status probe_set_make(const prefilter_job *job, const ncr_directional_map *map, probe_set *out);
 void probe_set_dispose(const prefilter_job *job, probe_set *set);
-/** Compare against what should be there: [count][3]; fills error and nrmse. */
-void probe_set_compare(const probe_set *set, const double *want, filtered_level *level);
+/** Compare against what should be there: [count][3]; fills error, nrmse and its spread. */
+ncr_status probe_set_compare(const prefilter_job *job, const probe_set *set, const double *want,
+                             filtered_level *level);
 
 /** Whether every level keeps the tolerance. */
 bool prefilter_met(const prefilter_job *job);

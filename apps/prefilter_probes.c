@@ -56,17 +56,42 @@ void probe_set_dispose(const prefilter_job *job, probe_set *set)
     *set = (probe_set){0};
 }
 
-void probe_set_compare(const probe_set *set, const double *want, filtered_level *level)
+/* The ratio of two means, of squares of errors and of squares: its spread over as many directions. */
+static double spread_of(size_t count, const double (*of)[2], double ratio, double size)
 {
-    double square = 0, size = 0;
+    double square = 0;
+    for (size_t k = 0; k < count; k++) {
+        const double off = of[k][0] - ratio * of[k][1];
+        square += off * off;
+    }
+    return sqrt(square) / size;
+}
+
+ncr_status probe_set_compare(const prefilter_job *job, const probe_set *set, const double *want,
+                             filtered_level *level)
+{
+    const ncr_ctx *ctx = &job->o->common.ctx;
+    double error = 0, size = 0, (*of)[2] = ncr_alloc_zero(ctx, set->count, sizeof *of);
+    if (!of)
+        return NCR_E_NOMEM;
     level->error = 0;
     for (uint32_t k = 0; k < 3 * set->count; k++) {
         const double e = (double)set->texel[k / 3][k % 3] - want[k];
         level->error = e - e == 0 ? fmax(level->error, fabs(e)) : INFINITY;
-        square += e * e;
-        size += want[k] * want[k];
+        of[k / 3][0] += e * e;
+        of[k / 3][1] += want[k] * want[k];
     }
-    level->nrmse = size > 0 ? sqrt(square / size) : 0;
+    for (uint32_t k = 0; k < set->count; k++) {
+        error += of[k][0];
+        size += of[k][1];
+    }
+    const double ratio = size > 0 ? error / size : 0;
+    level->nrmse = sqrt(ratio);
+    level->nrmse_spread =
+        ratio > 0 ? 0.5 * spread_of(set->count, (const double(*)[2])of, ratio, size) / sqrt(ratio)
+                  : 0;
+    ncr_free(ctx, of);
+    return NCR_OK;
 }
 
 void prefilter_texel_directions(const ncr_directional_map *map, double *out)

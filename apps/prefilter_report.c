@@ -131,6 +131,7 @@ static json_t *describe_level(const prefilter_job *job, const filtered_level *le
     json_object_set_new(out, "error",
                         isfinite(level->error) ? json_real(level->error) : json_null());
     json_object_set_new(out, "nrmse", json_real(level->nrmse));
+    json_object_set_new(out, "nrmse_spread", json_real(level->nrmse_spread));
     json_object_set_new(out, "met", json_boolean(level->error <= job->tolerance * job->mean));
     if (view)
         return out;

@@ -155,7 +155,7 @@ static ncr_status measure_level(const prefilter_job *job, filtered_level *level)
                                                  set.direction[0], want, whole)
                       : NCR_E_NOMEM;
     if (!status) {
-        probe_set_compare(&set, want, level);
+        status = probe_set_compare(job, &set, want, level);
         for (uint32_t k = 0; k < set.count; k++)
             level->texel_error = fmax(level->texel_error, fabs(whole[k] - 1));
     }

@@ -78,7 +78,7 @@ static ncr_status measure_view(const prefilter_job *job, const ncr_directional_m
                                               set.count, set.direction[0], want)
                       : NCR_E_NOMEM;
     if (status == NCR_OK)
-        probe_set_compare(&set, want, level);
+        status = probe_set_compare(job, &set, want, level);
     probe_set_dispose(job, &set);
     ncr_free(ctx, want);
     return status;

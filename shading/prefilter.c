@@ -222,6 +222,8 @@ ncr_status ncr_prefilter_create_for(const ncr_ctx *ctx, const ncr_directional_ma
         if (!status && limit > last)
             last = limit;
     }
+    /* Low degrees cost little, and the more are known the less is left to doubt. */
+    last = last > few_degrees ? last : few_degrees;
     last = last < natural ? last : natural;
     while (!status) {
         how.band_limit = last < most ? last : most;
@@ -283,7 +285,7 @@ typedef struct finish {
     const ncr_prefilter *prefilter;
     const ncr_image *map;
     const ncr_lobe *lobe;
-    double integral;
+    double reach, integral;
     size_t point_count;
     bool clamp;
     uint64_t *clamped; /* [height] */
@@ -297,8 +299,8 @@ static void add_lights(const finish *job, uint32_t y)
     for (uint32_t x = 0; x < map->width; x++) {
         const double phi = (x + 0.5) * 2 * pi / map->width;
         const double d[3] = {sin(theta) * cos(phi), sin(theta) * sin(phi), cos(theta)};
-        ncr_light_points_add(job->point_count, job->prefilter->points, job->lobe, job->integral, d,
-                             map->channels, ncr_image_at(map, x, y));
+        ncr_light_points_add(job->point_count, job->prefilter->points, job->lobe, job->reach,
+                             job->integral, d, map->channels, ncr_image_at(map, x, y));
     }
 }
 
@@ -358,6 +360,7 @@ ncr_status ncr_prefilter_equirect(const ncr_ctx *ctx, const ncr_prefilter *p, co
     finish job = {.prefilter = p,
                   .map = map,
                   .lobe = lobe,
+                  .reach = ncr_lobe_reach(lobe),
                   .integral = filter.integral,
                   .point_count = opts && opts->lights_off ? 0 : p->point_count,
                   .clamp = opts && opts->positivity == NCR_POSITIVITY_CLAMP};

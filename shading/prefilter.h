@@ -62,8 +62,8 @@ typedef struct ncr_prefilter_info {
  *
  * Texels that are not finite count as 0, and are counted. With `peel`, a light is a patch of
  * adjoining texels above 1/32 of its brightest one and 16 times the map's mean, no larger than
- * 0.05 sr; the brightest NCR_PREFILTER_LIGHTS that hold their share are taken. Outputs sum a light
- * over its texels, or where there are more than 64, over as many blocks of them.
+ * 0.05 sr and 512 texels; the brightest NCR_PREFILTER_LIGHTS that hold their share are taken, up to
+ * 4096 texels in all. Outputs sum a light over its texels.
  * Cost: one pass over the map and a small multiple. The object may be shared between threads.
  */
 NCR_API ncr_status ncr_prefilter_create(const ncr_ctx *ctx, const ncr_image *map,
@@ -115,8 +115,8 @@ typedef struct ncr_prefilter_output {
 typedef struct ncr_prefilter_report {
     uint32_t order;   /* degrees up to this took part */
     double bound_max; /* no output is farther than this from the filtered map, because of what is
-                         left out: the smaller of max |k_L - k| int |map|, and the sum of what each
-                         degree left out can give at most */
+                         left out: the smaller of max |k_L - k| int |map|, and the largest value of
+                         the degrees left out with what those not known can give at most */
     double bound_rms; /* nor is their root mean square over the sphere farther than this, channels
                          summed */
     double lambda_error; /* of the eigenvalues, each in units of 1 */

@@ -8,8 +8,10 @@
  *   by the lobe:  |E_L - E| <= max |k_L - k| mean |map|
  *   by the map:   |E_L - E| <= sum over l of |lambda_l - kept_l| (P_l (2l+1) / 4 pi)^1/2
  *
- * with P_l the power of degree l, since |sum_m a Y| <= (P_l (2l+1) / 4 pi)^1/2. Past the degrees
- * analysed, or those that texels tell apart, the power is known as a whole, U: by Cauchy and Schwarz
+ * with P_l the power of degree l, since |sum_m a Y| <= (P_l (2l+1) / 4 pi)^1/2. That is enough to
+ * choose an order by; of what an output leaves out the low degrees are then added up on a grid
+ * (prefilter_remainder.c), which is much nearer the truth. Past the degrees analysed, or those that
+ * texels tell apart, the power is known as a whole, U: by Cauchy and Schwarz
  *
  *   sum <= (sum of |lambda_l - kept_l|^2 (2l+1) / 4 pi)^1/2 U
  *
@@ -121,7 +123,7 @@ static double most_of(const double sum[4])
     return fmax(fmax(sum[0], sum[1]), fmax(sum[2], sum[3]));
 }
 
-static void add_degree(const ncr_prefilter *p, uint32_t l, double change, double sum[4])
+void ncr_prefilter_add_degree(const ncr_prefilter *p, uint32_t l, double change, double sum[4])
 {
     for (int c = 0; c < 4; c++)
         sum[c] += fabs(change) *
@@ -149,7 +151,7 @@ static ncr_status descend(const ncr_ctx *ctx, const ncr_prefilter *p, const ncr_
         if (l == 0 || now > most)
             break;
         if (l <= known)
-            add_degree(p, l, f->exact[l], sum);
+            ncr_prefilter_add_degree(p, l, f->exact[l], sum);
     }
     ncr_free(ctx, tail);
     return status;
@@ -191,28 +193,50 @@ static ncr_status largest_left_out(const ncr_ctx *ctx, const ncr_lobe *lobe, uin
     return status;
 }
 
+/* What is left out of, or kept of, the degrees past those known: adds to the lobe's tail, and to the
+ * doubt. */
+static void count_unknown(const ncr_prefilter *p, const ncr_filter *f, double *tail,
+                          double *left_out, double doubt[4])
+{
+    for (uint32_t l = last_known(p) + 1; l <= f->band_limit; l++) {
+        const double change = f->exact[l] - f->lambda[l];
+        *tail += change * change * (2 * l + 1) / (4 * pi);
+        *left_out = fmax(*left_out, fabs(change));
+        ncr_prefilter_add_degree(p, l, f->lambda[l], doubt);
+    }
+}
+
+/* What is left out of degrees known: its size anywhere, and its power. */
+static ncr_status count_known(const ncr_ctx *ctx, const ncr_prefilter *p, const ncr_filter *f,
+                              double *most, double *square)
+{
+    const uint32_t known = last_known(p);
+    double *change = ncr_alloc_zero(ctx, (size_t)f->band_limit + 1, sizeof *change);
+    *square = 0;
+    for (uint32_t l = 0; change && l <= known; l++) {
+        change[l] = f->exact[l] - f->lambda[l];
+        for (int c = 0; c < 4; c++)
+            *square += change[l] * change[l] * p->degree_power[4 * (size_t)l + (size_t)c];
+    }
+    const ncr_status status =
+        change ? ncr_prefilter_largest(ctx, p, known, change, most) : NCR_E_NOMEM;
+    ncr_free(ctx, change);
+    return status;
+}
+
 ncr_status ncr_filter_report(const ncr_ctx *ctx, const ncr_prefilter *p, const ncr_lobe *lobe,
                              const ncr_filter *f, ncr_prefilter_report *report)
 {
-    double left_out, tail, sum[4] = {0}, square = 0;
+    double left_out, tail, most, doubt[4] = {0}, square;
     ncr_status status = largest_left_out(ctx, lobe, f->band_limit, &left_out);
     if (!status)
         status = find_tails(ctx, lobe, f, f->band_limit, &tail);
+    if (!status)
+        status = count_known(ctx, p, f, &most, &square);
     if (status)
         return status;
-    for (uint32_t l = 0; l <= f->band_limit; l++) {
-        const double change = f->exact[l] - f->lambda[l];
-        if (l > last_known(p)) {
-            tail += change * change * (2 * l + 1) / (4 * pi);
-            left_out = fmax(left_out, fabs(change));
-            add_degree(p, l, f->lambda[l], sum);
-            continue;
-        }
-        add_degree(p, l, change, sum);
-        for (int c = 0; c < 4; c++)
-            square += change * change * p->degree_power[4 * (size_t)l + (size_t)c];
-    }
-    const double by_map = most_of(sum) + sqrt(tail * 4 * pi) * p->info.unresolved;
+    count_unknown(p, f, &tail, &left_out, doubt);
+    const double by_map = most + most_of(doubt) + sqrt(tail * 4 * pi) * p->info.unresolved;
     const double by_lobe =
         mean_size(p) * ncr_lobe_truncation(lobe, f->order, f->lambda, f->integral);
     *report = (ncr_prefilter_report){

@@ -24,7 +24,7 @@ struct ncr_prefilter_grid {
     uint32_t channels;
     bool clamp;
     ncr_lobe lobe; /* of the points */
-    double integral;
+    double reach, integral;
     size_t point_count;
     ncr_light_point *points;
 };
@@ -170,6 +170,7 @@ static ncr_status copy_points(const ncr_ctx *ctx, const ncr_prefilter *p, const 
     memcpy(g->points, p->points, p->point_count * sizeof *g->points);
     g->point_count = p->point_count;
     g->lobe = *lobe;
+    g->reach = ncr_lobe_reach(lobe);
     g->integral = integral;
     return NCR_OK;
 }
@@ -244,8 +245,8 @@ static void finish_value(const ncr_prefilter_grid *g, ncr_vec3 d, float *value, 
     double at[3];
     v_to_d(d, at);
     if (g->point_count && d_normalize(at))
-        ncr_light_points_add(g->point_count, g->points, &g->lobe, g->integral, at, g->channels,
-                             value);
+        ncr_light_points_add(g->point_count, g->points, &g->lobe, g->reach, g->integral, at,
+                             g->channels, value);
     for (uint32_t c = 0; g->clamp && c < g->channels; c++) {
         if (value[c] < 0) {
             ++*clamped;

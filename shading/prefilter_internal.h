@@ -18,7 +18,7 @@ struct ncr_prefilter {
     double *degree_power; /* [band_limit + 1][4] sum over m of a^2, by channel */
     size_t light_count, point_count;
     ncr_prefilter_light lights[NCR_PREFILTER_LIGHTS];
-    ncr_light_point *points; /* of all lights */
+    ncr_light_point *points; /* of all lights, from the south up */
 };
 
 /* A lobe made ready for one prefilter. */
@@ -38,6 +38,17 @@ ncr_status ncr_filter_report(const ncr_ctx *ctx, const ncr_prefilter *prefilter,
                              const ncr_lobe *lobe, const ncr_filter *filter,
                              ncr_prefilter_report *report);
 
+/* Add to `sum`, by channel, the most that degree l times `change` can give anywhere, by its power. */
+void ncr_prefilter_add_degree(const ncr_prefilter *prefilter, uint32_t l, double change,
+                              double sum[4]);
+
+/* No direction and channel of the sum of degrees l <= last times change[l] is larger than *most
+ * (prefilter_remainder.c).
+ *
+ * @param change  [band_limit + 1]; spent as room */
+ncr_status ncr_prefilter_largest(const ncr_ctx *ctx, const ncr_prefilter *prefilter, uint32_t last,
+                                 double *change, double *most);
+
 /* Find lights: fills lights, points and peeled; *square is that of what is left
  * (prefilter_lights.c). */
 ncr_status ncr_prefilter_peel(const ncr_ctx *ctx, const ncr_texels *texels, double share,
@@ -45,9 +56,12 @@ ncr_status ncr_prefilter_peel(const ncr_ctx *ctx, const ncr_texels *texels, doub
 /* Take the points' harmonics out of the map's. */
 ncr_status ncr_prefilter_subtract_points(const ncr_ctx *ctx, ncr_prefilter *prefilter);
 
+/* Beyond this 1 - cos angle nothing of a lobe is left worth adding. */
+double ncr_lobe_reach(const ncr_lobe *lobe);
 /* Add what points give in unit direction d to `channels` values. */
 void ncr_light_points_add(size_t count, const ncr_light_point *points, const ncr_lobe *lobe,
-                          double integral, const double d[3], uint32_t channels, float *value);
+                          double reach, double integral, const double d[3], uint32_t channels,
+                          float *value);
 
 /* Rows of the grid that looks up what has no detail above a degree. */
 uint32_t ncr_grid_height(uint32_t last);

@@ -13,8 +13,10 @@
  * The map is not touched: the points' harmonics are subtracted from the map's. */
 
 static const double pi = 3.14159265358979323846;
+static const double negligible = 1e-14; /* of a lobe's value on its axis */
 static const double light_above_mean = 16, light_below_peak = 32, largest_light = 0.05;
-enum { most_points = 64 }; /* a light of more texels than this has blocks of them for points */
+/* A light of more texels is no point: its own spectrum ends where the map's does not, and it stays. */
+enum { most_texels = 512, most_points = 4096 };
 
 enum { BRIGHT, TAKEN };
 
@@ -224,37 +226,33 @@ static double mean_power(const double power[4], uint32_t channels)
     return sum / channels;
 }
 
-/* Add a texel to a light or to one of its points; its direction counts by its light. */
-static void add_texel(const search *s, uint32_t texel, const double background[4],
-                      double direction[3], double *solid_angle, double power[4])
+/* What a texel gives above its surroundings: its solid angle. */
+static double power_of(const search *s, uint32_t texel, const double background[4], double d[3],
+                       double power[4])
 {
-    const uint32_t channels = s->texels->image->channels;
-    double d[3], part[4] = {0};
     const double area = area_of(s, texel, d);
-    for (uint32_t c = 0; c < channels; c++) {
-        part[c] = area * (value_at(s, texel, c) - background[c]);
-        power[c] += part[c];
-    }
-    *solid_angle += area;
-    d_mad(direction, fmax(mean_power(part, channels), 0), d, direction);
+    for (uint32_t c = 0; c < 4; c++)
+        power[c] =
+            c < s->texels->image->channels ? area * (value_at(s, texel, c) - background[c]) : 0;
+    return area;
 }
 
+/* Its direction is that of the texels, each counting by its light. */
 static ncr_prefilter_light measure_light(const search *s, const double background[4])
 {
     ncr_prefilter_light light = {0};
-    for (size_t k = 0; k < s->patch_count; k++)
-        add_texel(s, s->patch[k], background, light.direction, &light.solid_angle, light.power);
+    for (size_t k = 0; k < s->patch_count; k++) {
+        double d[3], power[4];
+        light.solid_angle += power_of(s, s->patch[k], background, d, power);
+        for (int c = 0; c < 4; c++)
+            light.power[c] += power[c];
+        d_mad(light.direction, fmax(mean_power(power, s->texels->image->channels), 0), d,
+              light.direction);
+    }
     return light;
 }
 
 /* --- its points ------------------------------------------------------------------------------- */
-
-/* Texels in the order of blocks of `side` x `side`. */
-static uint64_t block_of(const search *s, uint32_t texel, uint32_t side)
-{
-    const uint32_t w = s->texels->image->width;
-    return (uint64_t)(texel / w / side) << 32 | texel % w / side;
-}
 
 static ncr_status make_room(const ncr_ctx *ctx, size_t more, ncr_prefilter *p)
 {
@@ -269,41 +267,15 @@ static ncr_status make_room(const ncr_ctx *ctx, size_t more, ncr_prefilter *p)
     return NCR_OK;
 }
 
-/* Insertion by block: patches grow from their middle, so texels of a block are near one another. */
-static void sort_blocks(const search *s, uint32_t side)
-{
-    for (size_t gap = s->patch_count / 2; gap > 0; gap /= 2) {
-        for (size_t k = gap; k < s->patch_count; k++) {
-            const uint32_t texel = s->patch[k];
-            size_t at = k;
-            for (; at >= gap && block_of(s, s->patch[at - gap], side) > block_of(s, texel, side);
-                 at -= gap)
-                s->patch[at] = s->patch[at - gap];
-            s->patch[at] = texel;
-        }
-    }
-}
-
 static ncr_status add_points(const ncr_ctx *ctx, const search *s, const double background[4],
                              ncr_prefilter *p)
 {
-    const uint32_t side = s->patch_count <= most_points
-                              ? 1
-                              : (uint32_t)ceil(sqrt(2.0 * (double)s->patch_count / most_points));
     const ncr_status status = make_room(ctx, s->patch_count, p);
-    if (status)
-        return status;
-    sort_blocks(s, side);
-    for (size_t k = 0; k < s->patch_count;) {
-        ncr_light_point point = {{0}, {0}};
-        double area = 0;
-        const uint64_t block = block_of(s, s->patch[k], side);
-        for (; k < s->patch_count && block_of(s, s->patch[k], side) == block; k++)
-            add_texel(s, s->patch[k], background, point.direction, &area, point.power);
-        if (d_normalize(point.direction))
-            p->points[p->point_count++] = point;
+    for (size_t k = 0; !status && k < s->patch_count; k++) {
+        ncr_light_point *point = &p->points[p->point_count++];
+        power_of(s, s->patch[k], background, point->direction, point->power);
     }
-    return NCR_OK;
+    return status;
 }
 
 /* The patch becomes a light, unless it holds too little or is too large; then it stays, and is not
@@ -314,9 +286,10 @@ static ncr_status take_patch(const ncr_ctx *ctx, search *s, double least_power, 
     double background[4], d[3];
     find_background(s, background);
     ncr_prefilter_light light = measure_light(s, background);
-    const bool taken = light.solid_angle <= largest_light &&
-                       mean_power(light.power, channels) >= least_power &&
-                       p->light_count < NCR_PREFILTER_LIGHTS && d_normalize(light.direction);
+    const bool taken =
+        light.solid_angle <= largest_light && mean_power(light.power, channels) >= least_power &&
+        p->light_count < NCR_PREFILTER_LIGHTS && s->patch_count <= most_texels &&
+        p->point_count + s->patch_count <= most_points && d_normalize(light.direction);
     for (size_t k = 0; k < s->patch_count; k++)
         for (uint32_t c = 0; c < channels; c++) {
             const double left = taken ? background[c] : value_at(s, s->patch[k], c);
@@ -382,33 +355,96 @@ ncr_status ncr_prefilter_peel(const ncr_ctx *ctx, const ncr_texels *texels, doub
 
 /* --- what the points give --------------------------------------------------------------------- */
 
+static int by_height(const void *a, const void *b)
+{
+    const double *p = ((const ncr_light_point *)a)->direction;
+    const double *q = ((const ncr_light_point *)b)->direction;
+    for (int k = 2; k >= 0; k--)
+        if (p[k] != q[k])
+            return p[k] < q[k] ? -1 : 1;
+    return 0;
+}
+
+/* Points of one height differ in phi alone: what they hold of cos m phi and sin m phi,
+ * turns[m][channel][2]. */
+static void add_turns(const ncr_light_point *point, uint32_t last, double (*turns)[4][2])
+{
+    const double *d = point->direction, s = hypot(d[0], d[1]);
+    const double step[2] = {s > 0 ? d[0] / s : 1, s > 0 ? d[1] / s : 0};
+    double at[2] = {1, 0};
+    for (uint32_t m = 0; m <= last; m++) {
+        for (int c = 0; c < 4; c++) {
+            turns[m][c][0] += point->power[c] * at[0];
+            turns[m][c][1] += point->power[c] * at[1];
+        }
+        const double x = at[0] * step[0] - at[1] * step[1];
+        at[1] = at[0] * step[1] + at[1] * step[0];
+        at[0] = x;
+    }
+}
+
+/* `basis` is that of phi = 0, where the harmonics of sin m phi vanish. */
+static void subtract_turns(ncr_harmonics *a, const double *basis, double (*turns)[4][2])
+{
+    for (uint32_t m = 0; m <= a->band_limit; m++)
+        for (uint32_t l = m; l <= a->band_limit; l++) {
+            const double y = basis[(size_t)l * (l + 1) + m];
+            double *even = ncr_harmonics_at(a, l, (int32_t)m);
+            double *odd = ncr_harmonics_at(a, l, -(int32_t)m);
+            for (uint32_t c = 0; c < a->channels; c++) {
+                even[c] -= y * turns[m][c][0];
+                if (m > 0)
+                    odd[c] -= y * turns[m][c][1];
+            }
+        }
+}
+
 ncr_status ncr_prefilter_subtract_points(const ncr_ctx *ctx, ncr_prefilter *p)
 {
-    ncr_harmonics *a = &p->harmonics;
-    const size_t degrees = (size_t)a->band_limit + 1;
+    const uint32_t last = p->harmonics.band_limit;
+    const size_t degrees = (size_t)last + 1;
     double *basis = ncr_alloc(ctx, degrees * degrees * sizeof *basis);
-    if (!basis)
-        return NCR_E_NOMEM;
-    for (size_t k = 0; k < p->point_count; k++) {
-        ncr_harmonics_basis(a->band_limit, p->points[k].direction, basis);
-        for (uint32_t l = 0; l <= a->band_limit; l++)
-            for (int32_t m = -(int32_t)l; m <= (int32_t)l; m++)
-                for (uint32_t c = 0; c < a->channels; c++)
-                    ncr_harmonics_at(a, l, m)[c] -=
-                        p->points[k].power[c] * basis[(int64_t)l * (l + 1) + m];
+    double(*turns)[4][2] = ncr_alloc(ctx, degrees * sizeof *turns);
+    qsort(p->points, p->point_count, sizeof *p->points, by_height);
+    for (size_t k = 0; basis && turns && k < p->point_count;) {
+        const double z = p->points[k].direction[2];
+        memset(turns, 0, degrees * sizeof *turns);
+        ncr_harmonics_basis(last, (double[3]){sqrt(fmax(0, 1 - z * z)), 0, z}, basis);
+        for (; k < p->point_count && p->points[k].direction[2] == z; k++)
+            add_turns(&p->points[k], last, turns);
+        subtract_turns(&p->harmonics, basis, turns);
     }
+    const ncr_status status = basis && turns ? NCR_OK : NCR_E_NOMEM;
+    ncr_free(ctx, turns);
     ncr_free(ctx, basis);
-    return NCR_OK;
+    return status;
+}
+
+/* The lobes that have names fall with the angle. */
+double ncr_lobe_reach(const ncr_lobe *lobe)
+{
+    double near = 0, far = 2;
+    if (lobe->kind == NCR_LOBE_CUSTOM)
+        return far;
+    for (int k = 0; k < 60; k++) {
+        const double middle = 0.5 * (near + far);
+        *(ncr_lobe_value(lobe, middle) > negligible ? &near : &far) = middle;
+    }
+    return far;
 }
 
 void ncr_light_points_add(size_t count, const ncr_light_point *points, const ncr_lobe *lobe,
-                          double integral, const double d[3], uint32_t channels, float *value)
+                          double reach, double integral, const double d[3], uint32_t channels,
+                          float *value)
 {
     double sum[4] = {0};
     for (size_t k = 0; k < count; k++) {
         double chord[3];
         d_sub(d, points[k].direction, chord);
-        const double u = fmin(0.5 * d_dot(chord, chord), 2), v = ncr_lobe_value(lobe, u);
+        const double u = fmin(0.5 * d_dot(chord, chord), 2);
+        if (u > reach)
+            continue;
+        const double v = ncr_lobe_value(lobe, u);
         for (uint32_t c = 0; c < channels; c++)
             sum[c] += v * points[k].power[c];
     }

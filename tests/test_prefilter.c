@@ -438,7 +438,8 @@ static void points_of_light_add_up_to_a_disc(void **state)
         for (double b = 0; s + b < 0.99 * pi / 2; b += 0.05) {
             const double d[3] = {sin(b), 0, cos(b)}, want = pow(sin(s), 2) * cos(b);
             float value[3] = {0, 0, 5};
-            ncr_light_points_add(rings * spokes, points, &lambert, pi, d, 3, value);
+            ncr_light_points_add(rings * spokes, points, &lambert, ncr_lobe_reach(&lambert), pi, d,
+                                 3, value);
             CHECK_NEAR((double)value[0], want, 1e-6 * pow(sin(s), 2));
             CHECK_NEAR((double)value[1], 2 * want, 2e-6 * pow(sin(s), 2));
             CHECK_NEAR((double)value[2], 5, 0);
