@@ -5,6 +5,7 @@
 #include <string.h>
 
 static const double pi = 3.14159265358979323846;
+static const double horizon = 1e-6; /* cosines that floats may take for 0 */
 
 /* The definition reads equirectangular images along their own axes. */
 static ncr_status as_latlong(const prefilter_job *job, ncr_directional_map *made,
@@ -61,6 +62,22 @@ static ncr_status fill_view(const prefilter_job *job, const ncr_directional_map 
     return status;
 }
 
+/* Directions along the axes of the light. Where a surface is just turning away what it reflects ends in
+ * a jump, and which side of it a texel is on is for rounding to say: such texels tell nothing. */
+static void keep_certain(const ncr_directional_map *light, const double view[3], probe_set *set)
+{
+    uint32_t kept = 0;
+    for (uint32_t k = 0; k < set->count; k++) {
+        double own[3];
+        ncr_axes_apply(light->axes, set->direction[k], own);
+        if (fabs(own[0] * view[0] + own[1] * view[1] + own[2] * view[2]) < horizon)
+            continue;
+        memcpy(set->direction[kept], own, sizeof own);
+        set->texel[kept++] = set->texel[k];
+    }
+    set->count = kept;
+}
+
 static ncr_status measure_view(const prefilter_job *job, const ncr_directional_map *light,
                                const double view[3], filtered_level *level)
 {
@@ -68,15 +85,12 @@ static ncr_status measure_view(const prefilter_job *job, const ncr_directional_m
     probe_set set;
     double *want = ncr_alloc(ctx, 3 * (size_t)job->probes * sizeof *want);
     ncr_status status = probe_set_make(job, &level->map, &set);
-    for (uint32_t k = 0; status == NCR_OK && k < set.count; k++) {
-        double own[3];
-        ncr_axes_apply(light->axes, set.direction[k], own);
-        memcpy(set.direction[k], own, sizeof own);
-    }
-    if (status == NCR_OK)
+    if (status == NCR_OK) {
+        keep_certain(light, view, &set);
         status = want ? ncr_fixed_view_direct(ctx, &job->choice.gloss, &light->image, view,
                                               set.count, set.direction[0], want)
                       : NCR_E_NOMEM;
+    }
     if (status == NCR_OK)
         status = probe_set_compare(job, &set, want, level);
     probe_set_dispose(job, &set);

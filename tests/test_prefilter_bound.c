@@ -8,7 +8,7 @@ static const ncr_lobe lobes[] = {{.kind = NCR_LOBE_LAMBERT},
                                  {.kind = NCR_LOBE_PHONG, .parameter = 20.5},
                                  {.kind = NCR_LOBE_GGX, .parameter = 0.3},
                                  {.kind = NCR_LOBE_PHONG, .parameter = 120}};
-enum { lobe_count = 4, out_size = 20, broad = 10, seeds = 24 };
+enum { lobe_count = 4, out_size = 16, broad = 10, seeds = 24 };
 
 /* Broad glows of random place, width and colour over a constant. */
 typedef struct glow {
@@ -189,7 +189,7 @@ static void a_wide_lamp_keeps_its_tolerance(void **state)
     const ncr_lobe lobe = {.kind = NCR_LOBE_PHONG, .parameter = 400};
     sky s = make_sky(7);
     s.disc = cos(0.12);
-    s.disc_value = 300; /* 1440 texels */
+    s.disc_value = 300; /* 740 texels */
     ncr_directional_map in = map_of(&s, 320);
     ncr_prefilter *p;
     uint32_t order;
