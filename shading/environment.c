@@ -53,7 +53,7 @@ void ncr_reflect_proxy(const ncr_shade_job *job, const ncr_method *method, ncr_r
     const ncr_probe *probe = job->in->probe;
     ncr_rows d;
     for (size_t k = 0; k < run->count; k++) {
-        const ncr_vec3 x = ncr_rows_get(&run->x, k), r = ncr_rows_get(&run->r, k);
+        const ncr_vec3 x = ncr_vec3_at(run->x, k), r = ncr_rows_get(&run->r, k);
         const float t = exit_distance(x, r, probe);
         const bool inside = t > 0 && t < INFINITY;
         const ncr_vec3 seen = inside ? v_sub(v_mad(x, t, r), probe->centre) : r;

@@ -190,28 +190,47 @@ static size_t find_pixel(const uint32_t *object, uint32_t wanted, bool other, si
     return k;
 }
 
-/* Two runs: while one is shaded, what the next needs is on its way. */
-typedef struct run_pair {
-    ncr_run run[2];
-    unsigned filling;
-} run_pair;
+/* While one run is shaded, what the next needs is on its way. */
+typedef struct run_ring {
+    ncr_run run[3];
+    ncr_run *asked;   /* waits for its texels; empty at first */
+    ncr_run *packing; /* gathers pixels that fill no row of 64 */
+    ncr_run *spare;   /* for pixels in place */
+} run_ring;
 
-/* The run that was filled asks for its texels; the one before it is shaded, and filled next, from
- * pixel `next` on. */
-static void turn_over(const shade_call *call, run_pair *pair, size_t next, ncr_shade_stats *stats)
+/* The run that was filled asks for its texels; the one before it is shaded, and takes the other's
+ * place to be filled next, from about pixel `next` on. */
+static void turn_over(const shade_call *call, run_ring *ring, ncr_run **filled, size_t next,
+                      ncr_shade_stats *stats)
 {
     ncr_run_fetch(call->job.gbuffer, next, 0);
-    const ncr_run *filled = &pair->run[pair->filling];
-    ncr_run_ask(&call->job, &pair->run[pair->filling]);
-    for (size_t k = 0; k < filled->count; k += 5) /* five pixels are 60 bytes */
-        __builtin_prefetch(call->image->data + 3 * (size_t)filled->pixel[k], 1);
+    ncr_run *after = *filled, *before = ring->asked;
+    ncr_run_ask(&call->job, after);
+    for (size_t k = 0; k < after->count; k += 5) /* five pixels are 60 bytes */
+        __builtin_prefetch(call->image->data + 3 * (size_t)after->pixel[k], 1);
     ncr_run_fetch(call->job.gbuffer, next, 1);
-    pair->filling ^= 1;
-    ncr_run *before = &pair->run[pair->filling];
     if (before->count)
         shade_run(call, before, next, stats);
     before->count = 0;
     ncr_run_fetch(call->job.gbuffer, next, 3);
+    ring->asked = after;
+    *filled = before;
+}
+
+/* Neighbouring pixels of the object. */
+static void shade_span(const shade_call *call, run_ring *ring, size_t begin, size_t end,
+                       ncr_shade_stats *stats)
+{
+    for (size_t k = begin, taken; k < end; k += taken) {
+        taken = ncr_run_take(call->job.gbuffer, k, end, ring->spare);
+        if (taken) {
+            turn_over(call, ring, &ring->spare, k + taken, stats);
+            continue;
+        }
+        taken = ncr_run_add(call->job.gbuffer, k, end, ring->packing);
+        if (ring->packing->count == NCR_RUN)
+            turn_over(call, ring, &ring->packing, k + taken, stats);
+    }
 }
 
 static void shade_chunk(size_t begin, size_t end, unsigned worker, void *arg)
@@ -219,21 +238,18 @@ static void shade_chunk(size_t begin, size_t end, unsigned worker, void *arg)
     const shade_call *call = arg;
     const uint32_t *object = call->job.gbuffer->object, wanted = call->job.in->object;
     ncr_shade_stats *stats = &call->per_worker[worker];
-    run_pair pair;
-    pair.filling = 0;
-    pair.run[0].count = pair.run[1].count = 0;
-    for (size_t k = find_pixel(object, wanted, false, begin, end); k < end;
-         k = find_pixel(object, wanted, false, k, end)) {
-        const size_t last = find_pixel(object, wanted, true, k, end);
-        while (k < last) {
-            ncr_run *run = &pair.run[pair.filling];
-            k += ncr_run_add(call->job.gbuffer, k, last, run);
-            if (run->count == NCR_RUN)
-                turn_over(call, &pair, k, stats);
-        }
+    run_ring ring;
+    ring.asked = &ring.run[0];
+    ring.packing = &ring.run[1];
+    ring.spare = &ring.run[2];
+    ring.asked->count = ring.packing->count = ring.spare->count = 0;
+    for (size_t k = find_pixel(object, wanted, false, begin, end), last; k < end;
+         k = find_pixel(object, wanted, false, last, end)) {
+        last = find_pixel(object, wanted, true, k, end);
+        shade_span(call, &ring, k, last, stats);
     }
-    turn_over(call, &pair, end, stats);
-    turn_over(call, &pair, end, stats);
+    turn_over(call, &ring, &ring.packing, end, stats);
+    turn_over(call, &ring, &ring.spare, end, stats);
 }
 
 static ncr_status check_distant(const ncr_ctx *ctx, const ncr_method *method,

@@ -7,13 +7,13 @@
 #include "shading/method_internal.h"
 
 /* Filtered light in a run's directions. */
-static void sample_grid(const ncr_prefilter_grid *grid, const ncr_rows *directions, ncr_run *run,
-                        ncr_shade_stats *stats)
+static void sample_grid(const ncr_prefilter_grid *grid, const float *const directions[3],
+                        ncr_run *run, ncr_shade_stats *stats)
 {
     ncr_vec3 d[NCR_RUN];
     float rgb[NCR_RUN][3];
     for (size_t k = 0; k < run->count; k++)
-        d[k] = ncr_rows_get(directions, k);
+        d[k] = ncr_vec3_at(directions, k);
     ncr_prefilter_grid_sample(grid, run->count, d, rgb[0]);
     for (size_t k = 0; k < run->count; k++)
         ncr_rows_set(&run->rgb, k, (ncr_vec3){rgb[k][0], rgb[k][1], rgb[k][2]});
@@ -47,7 +47,7 @@ void ncr_reflect_prefiltered(const ncr_shade_job *job, const ncr_method *method,
     (void)method;
     const ncr_distant *distant = job->in->distant;
     if (distant->gloss)
-        sample_grid(distant->gloss, &run->r, run, stats);
+        sample_grid(distant->gloss, NCR_ROWS_IN(&run->r), run, stats);
     else
         sample_map(&distant->rough, run, stats);
 }
@@ -60,7 +60,7 @@ void ncr_reflect_lobes(const ncr_shade_job *job, const ncr_method *method, ncr_r
     ncr_vec3 n[NCR_RUN], r[NCR_RUN];
     float rgb[NCR_RUN][3];
     for (size_t k = 0; k < run->count; k++) {
-        n[k] = ncr_rows_get(&run->n, k);
+        n[k] = ncr_vec3_at(run->n, k);
         r[k] = ncr_rows_get(&run->r, k);
     }
     ncr_gloss_maps_sample(job->in->distant->lobes, run->count, n, r, rgb[0]);
@@ -74,9 +74,9 @@ void ncr_recon_lambert(const ncr_shade_job *job, const ncr_method *method, ncr_r
                        ncr_shade_stats *stats)
 {
     (void)method;
-    sample_grid(job->in->distant->diffuse, &run->n, run, stats);
+    sample_grid(job->in->distant->diffuse, run->n, run, stats);
     for (size_t k = 0; job->in->material && k < run->count; k++) {
-        const float *x[3] = {run->x.at[0], run->x.at[1], run->x.at[2]};
+        const float *const *x = run->x;
         double p[3] = {(double)x[0][k], (double)x[1][k], (double)x[2][k]}, model[3];
         float albedo[3];
         ncr_frame_to_model(job->in->frame, p, model);
@@ -90,7 +90,7 @@ void ncr_recon_lambert(const ncr_shade_job *job, const ncr_method *method, ncr_r
 static void weigh(const ncr_method *method, bool rest, ncr_run *run)
 {
     for (size_t k = 0; k < run->count; k++) {
-        const float along = v_dot(ncr_rows_get(&run->n, k), ncr_rows_get(&run->r, k));
+        const float along = v_dot(ncr_vec3_at(run->n, k), ncr_rows_get(&run->r, k));
         const float c = along > 0 ? along < 1 ? along : 1 : 0;
         const float f = ncr_fresnel_dielectric_f((float)method->parameter, c);
         const float share = rest ? 1 - f : f;

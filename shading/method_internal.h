@@ -24,6 +24,11 @@ static inline ncr_vec3 ncr_rows_get(const ncr_rows *rows, size_t k)
     return (ncr_vec3){rows->at[0][k], rows->at[1][k], rows->at[2][k]};
 }
 
+static inline ncr_vec3 ncr_vec3_at(const float *const from[3], size_t k)
+{
+    return (ncr_vec3){from[0][k], from[1][k], from[2][k]};
+}
+
 static inline void ncr_rows_set(ncr_rows *rows, size_t k, ncr_vec3 value)
 {
     rows->at[0][k] = value.x;
@@ -31,24 +36,35 @@ static inline void ncr_rows_set(ncr_rows *rows, size_t k, ncr_vec3 value)
     rows->at[2][k] = value.z;
 }
 
-/* Up to NCR_RUN pixels of the object, packed together, structure of arrays. Methods read everything
- * above `rgb` and write rgb. */
+/* What the G-buffer says of some pixels, copied side by side. */
+typedef struct ncr_packed {
+    uint32_t patch[NCR_RUN];
+    float u[NCR_RUN], v[NCR_RUN];
+    ncr_rows x, n, view;
+} ncr_packed;
+
+/* Up to NCR_RUN pixels of the object, structure of arrays. Methods read everything above `rgb` and
+ * write rgb. Where neighbours fill whole rows of 64 they are read where they lie, in the G-buffer;
+ * others are packed together. Either way there is something to read up to the end of a row. */
 typedef struct ncr_run {
     size_t count;
-    uint32_t pixel[NCR_RUN], patch[NCR_RUN];
-    float u[NCR_RUN], v[NCR_RUN];
-    ncr_rows x, n;           /* position in frame units, unit normal toward the eye */
-    ncr_rows r;              /* 2 n (n.v) - v */
+    const uint32_t *patch;
+    const float *u, *v;
+    const float *x[3], *n[3]; /* position in frame units, unit normal toward the eye */
+    const float *view[3];     /* unit vector to the eye */
+    uint32_t pixel[NCR_RUN];
+    ncr_rows r;              /* 2 n (n.view) - view */
     uint64_t texel[NCR_RUN]; /* where the sample map has its points, if there is one */
     uint16_t point[NCR_CANDIDATES][NCR_RUN]; /* these; NCR_NO_POINT without a map */
     ncr_rows rgb;
+    ncr_packed packed; /* what the pointers point to, unless the pixels are in place */
 } ncr_run;
 
 /* What is done to every pixel whatever the method, by instruction set. All give the same bits. */
 typedef struct ncr_run_kernels {
     /* Find texels of the sample map and start fetching them. */
     void (*ask)(const ncr_sample_map *map, ncr_run *run);
-    void (*reflect)(ncr_run *run); /* r, from the view that stands there */
+    void (*reflect)(ncr_run *run); /* find r */
     void (*look_up_points)(const ncr_sample_map *map, ncr_run *run);
     uint32_t (*count_weights)(size_t count, const float (*w)[NCR_RUN]); /* that are positive */
     void (*store)(const ncr_run *run, float *image);
@@ -119,7 +135,12 @@ ncr_shade_fn ncr_recon_lambert, ncr_recon_fresnel;
 ncr_shade_fn ncr_reflect_rsibr; /* method_rsibr.c */
 ncr_shade_fn ncr_reflect_npr;   /* method_npr.c: detail is the ncr_npr_kind */
 
-/* Add neighbouring pixels [begin, end) to a run, as many as there is room for; returns how many. */
+/* Make a run of neighbouring pixels [begin, end) in place: as many whole rows of 64 as there are and
+ * fit. Returns how many pixels these are, which may be none. */
+size_t ncr_run_take(const ncr_gbuffer *gbuffer, size_t begin, size_t end, ncr_run *run);
+
+/* Pack neighbouring pixels [begin, end) into a run beside those that are in it, as many as there is
+ * room for; returns how many. */
 size_t ncr_run_add(const ncr_gbuffer *gbuffer, size_t begin, size_t end, ncr_run *run);
 
 /* Start fetching a quarter, 0 to 3, of what the pixels from `begin` on need of the G-buffer. */

@@ -14,7 +14,7 @@ void ncr_reflect_rsibr(const ncr_shade_job *job, const ncr_method *method, ncr_r
     float rgb[NCR_RUN][3];
     (void)method;
     for (size_t k = 0; k < run->count; k++) {
-        normal[k] = ncr_rows_get(&run->n, k);
+        normal[k] = ncr_vec3_at(run->n, k);
         view[k] = v_unit(v_reflect(normal[k], ncr_rows_get(&run->r, k)));
     }
     ncr_rsibr_shade(set, NULL, run->count, view, normal, rgb);

@@ -11,8 +11,8 @@ void ncr_recon_trace(const ncr_shade_job *job, const ncr_method *method, ncr_run
     ncr_vec3 p[NCR_RUN], n[NCR_RUN];
     for (size_t k = 0; k < run->count; k++) {
         object[k] = job->in->object;
-        p[k] = ncr_rows_get(&run->x, k);
-        n[k] = ncr_rows_get(&run->n, k);
+        p[k] = ncr_vec3_at(run->x, k);
+        n[k] = ncr_vec3_at(run->n, k);
     }
     ncr_ray_counts rays = {0};
     ncr_tracer_shade(job->in->tracer, run->count, object, run->patch, run->u, run->v, p, n,
@@ -29,7 +29,7 @@ void ncr_reflect_trace(const ncr_shade_job *job, const ncr_method *method, ncr_r
     ncr_rows o;
     for (int c = 0; c < 3; c++)
         for (size_t k = 0; k < run->count; k++)
-            o.at[c][k] = run->x.at[c][k] + job->lift * run->n.at[c][k];
+            o.at[c][k] = run->x[c][k] + job->lift * run->n[c][k];
     const ncr_rays ray = {.ox = o.at[0],
                           .oy = o.at[1],
                           .oz = o.at[2],

@@ -15,7 +15,7 @@ static void weigh_pixel(const ncr_shade_job *job, const ncr_method *method, cons
     const unsigned valid = ncr_run_offsets(job, run, k, to_point);
     const unsigned fallback = ncr_blend_weights(
         (ncr_basis)method->entry->detail, (float)method->parameter, NCR_CANDIDATES, to_point, valid,
-        ncr_rows_get(&run->n, k), ncr_rows_get(&run->r, k), weight);
+        ncr_vec3_at(run->n, k), ncr_rows_get(&run->r, k), weight);
     stats->fallbacks += fallback != 0;
     for (unsigned j = 0; j < NCR_CANDIDATES; j++)
         w[j][k] = weight[j];
@@ -36,11 +36,11 @@ static void weigh_row(const ncr_shade_job *job, const ncr_method *method, ncr_bl
                       ncr_shade_stats *stats)
 {
     const int basis = method->entry->detail;
-    const ncr_rows *axis = basis == NCR_BASIS_COSINE_N ? &run->n : &run->r;
+    const bool about_n = basis == NCR_BASIS_COSINE_N;
     ncr_blend_rows rows = {.points = (uint32_t)job->in->points->count, .position = job->point};
     for (int c = 0; c < 3; c++) {
-        rows.x[c] = run->x.at[c] + begin;
-        rows.axis[c] = axis->at[c] + begin;
+        rows.x[c] = run->x[c] + begin;
+        rows.axis[c] = (about_n ? run->n[c] : run->r.at[c]) + begin;
     }
     for (int j = 0; j < NCR_CANDIDATES; j++) {
         rows.point[j] = run->point[j] + begin;

@@ -59,7 +59,7 @@ static size_t accumulate(const ncr_shade_job *job, ncr_run *run, const uint16_t 
 static unsigned first_above(const ncr_shade_job *job, const ncr_run *run, size_t k, ncr_vec3 n,
                             ncr_vec3 *to_point, ncr_shade_stats *stats)
 {
-    const ncr_vec3 x = ncr_rows_get(&run->x, k);
+    const ncr_vec3 x = ncr_vec3_at(run->x, k);
     unsigned best = 0;
     float highest_yet = 0;
     for (unsigned j = 0; j < NCR_CANDIDATES; j++) {
@@ -87,7 +87,7 @@ void ncr_recon_nearest(const ncr_shade_job *job, const ncr_method *method, ncr_r
     ncr_rows d;
     float w[NCR_RUN];
     for (size_t k = 0; k < run->count; k++) {
-        const ncr_vec3 n = ncr_rows_get(&run->n, k);
+        const ncr_vec3 n = ncr_vec3_at(run->n, k);
         ncr_vec3 to_point;
         point[k] = run->point[first_above(job, run, k, n, &to_point, stats)][k];
         stats->lookups += point[k] != NCR_NO_POINT;
@@ -110,7 +110,7 @@ void ncr_recon_average(const ncr_shade_job *job, const ncr_method *method, ncr_r
     for (size_t k = 0; k < run->count; k++) {
         ncr_vec3 to_point[NCR_CANDIDATES];
         float cosine[NCR_CANDIDATES];
-        const ncr_vec3 n = ncr_rows_get(&run->n, k);
+        const ncr_vec3 n = ncr_vec3_at(run->n, k);
         const unsigned valid = ncr_run_offsets(job, run, k, to_point);
         elevations(to_point, valid, n, cosine);
 

@@ -14,15 +14,16 @@ typedef uint64_t __attribute__((may_alias, aligned(2))) four_points;
 /* Pixels from `begin` on that see the same patch. */
 static size_t same_patch(const ncr_run *run, size_t begin)
 {
+    const uint32_t *patch = run->patch;
     size_t end = begin + 1;
     for (; end + 16 <= run->count; end += 16) {
         uint32_t other = 0;
         for (size_t k = end; k < end + 16; k++)
-            other |= run->patch[k] ^ run->patch[begin];
+            other |= patch[k] ^ patch[begin];
         if (other)
             break;
     }
-    while (end < run->count && run->patch[end] == run->patch[begin])
+    while (end < run->count && patch[end] == patch[begin])
         end++;
     return end;
 }
@@ -36,10 +37,12 @@ static void find_texels(const ncr_sample_map *map, ncr_run *run, size_t begin, s
     const int32_t across = (int32_t)map->page_width;
     const int32_t corner = (int32_t)c->y * across + (int32_t)c->x;
     const uint64_t page = (uint64_t)c->page * map->page_width * map->page_height;
+    const float *u = run->u, *v = run->v;
+    uint64_t *restrict texel = run->texel;
     for (size_t k = begin; k < end; k++) {
-        const int32_t i = (int32_t)(run->u[k] * width), j = (int32_t)(run->v[k] * height);
+        const int32_t i = (int32_t)(u[k] * width), j = (int32_t)(v[k] * height);
         const int32_t x = i < last_x ? i : last_x, y = j < last_y ? j : last_y;
-        run->texel[k] = page + (uint32_t)(corner + y * across + x);
+        texel[k] = page + (uint32_t)(corner + y * across + x);
     }
 }
 
@@ -56,10 +59,11 @@ static void ask(const ncr_sample_map *map, ncr_run *run)
 /* The view turned about the normal: v_reflect, in the same order. */
 static void reflect(ncr_run *run)
 {
-    const float *nx = run->n.at[0], *ny = run->n.at[1], *nz = run->n.at[2];
-    float *x = run->r.at[0], *y = run->r.at[1], *z = run->r.at[2];
+    const float *nx = run->n[0], *ny = run->n[1], *nz = run->n[2];
+    const float *vx = run->view[0], *vy = run->view[1], *vz = run->view[2];
+    float *restrict x = run->r.at[0], *restrict y = run->r.at[1], *restrict z = run->r.at[2];
     for (size_t k = 0; k < run->count; k++) {
-        const ncr_vec3 r = v_reflect(v_make(nx[k], ny[k], nz[k]), v_make(x[k], y[k], z[k]));
+        const ncr_vec3 r = v_reflect(v_make(nx[k], ny[k], nz[k]), v_make(vx[k], vy[k], vz[k]));
         x[k] = r.x;
         y[k] = r.y;
         z[k] = r.z;

@@ -352,6 +352,53 @@ static void images_do_not_depend_on_the_number_of_workers(void **state)
     rig_dispose(&r);
 }
 
+/* Every other pixel of the object becomes another's. */
+static void hide_every_other(rig *r, size_t first)
+{
+    for (size_t k = 0; k < (size_t)r->g.width * r->g.height; k++)
+        if (k % 2 == first && r->g.object[k] == 7)
+            r->g.object[k] = 8;
+}
+
+static void show_all(rig *r)
+{
+    for (size_t k = 0; k < (size_t)r->g.width * r->g.height; k++)
+        r->g.object[k] = r->g.object[k] == 8 ? 7 : r->g.object[k];
+}
+
+/* Long stretches of neighbours are shaded where they lie, single pixels side by side in a copy. */
+static void a_pixel_does_not_depend_on_its_neighbours(void **state)
+{
+    (void)state;
+    enum { side = 190, texels = side * side };
+    static const char *const method[] = {"cosine-n:4", "cosine-r:4", "angle", "average4"};
+    const double radius = 0.8;
+    rig r;
+    rig_sphere(&r, side, 0.3, 80, 0.06);
+    rig_light_up(&r, 8, NCR_TEXEL_HALF, (rig_light){spherical_room, &radius});
+    for (size_t m = 0; m < 4; m++) {
+        const ncr_term term = m == 3 ? NCR_TERM_RECON : NCR_TERM_REFLECT;
+        ncr_shade_stats all, part[2];
+        ncr_image want = rig_shade(&r, method[m], term, &all), got[2];
+        for (size_t half = 0; half < 2; half++) {
+            hide_every_other(&r, half);
+            got[half] = rig_shade(&r, method[m], term, &part[half]);
+            show_all(&r);
+        }
+        for (size_t k = 0; k < texels; k++)
+            if (r.g.object[k] == 7)
+                assert_memory_equal(got[k % 2 ? 0 : 1].data + 3 * k, want.data + 3 * k,
+                                    3 * sizeof(float));
+        assert_int_equal(part[0].shaded + part[1].shaded, all.shaded);
+        assert_int_equal(part[0].lookups + part[1].lookups, all.lookups);
+        assert_int_equal(part[0].fallbacks + part[1].fallbacks, all.fallbacks);
+        ncr_image_dispose(NULL, &want);
+        ncr_image_dispose(NULL, &got[0]);
+        ncr_image_dispose(NULL, &got[1]);
+    }
+    rig_dispose(&r);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -365,6 +412,7 @@ int main(void)
         cmocka_unit_test(errors_shrink_with_the_distance_of_points),
         cmocka_unit_test(full_is_surface_plus_mirror),
         cmocka_unit_test(images_do_not_depend_on_the_number_of_workers),
+        cmocka_unit_test(a_pixel_does_not_depend_on_its_neighbours),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

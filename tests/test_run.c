@@ -40,21 +40,29 @@ static void make_atlas(atlas *a)
 static void random_run(check_random *random, size_t count, ncr_run *run)
 {
     memset(run, 0, sizeof *run);
+    ncr_packed *at = &run->packed;
     run->count = count;
+    run->patch = at->patch;
+    run->u = at->u;
+    run->v = at->v;
     uint32_t pixel = 0, patch = 0;
     for (size_t k = 0; k < count; k++) {
         pixel += check_uniform(random, 0, 1) < 0.95 ? 1 : (uint32_t)check_uniform(random, 1, 9);
         if (check_uniform(random, 0, 1) < 0.05)
             patch = (uint32_t)check_uniform(random, 0, 4);
         run->pixel[k] = pixel;
-        run->patch[k] = patch;
-        run->u[k] = k % 7 ? (float)check_uniform(random, 0, 1) : (float)(k % 2);
-        run->v[k] = k % 5 ? (float)check_uniform(random, 0, 1) : 1;
+        at->patch[k] = patch;
+        at->u[k] = k % 7 ? (float)check_uniform(random, 0, 1) : (float)(k % 2);
+        at->v[k] = k % 5 ? (float)check_uniform(random, 0, 1) : 1;
         for (int c = 0; c < 3; c++) {
-            run->n.at[c][k] = (float)check_uniform(random, -1, 1);
-            run->r.at[c][k] = (float)check_uniform(random, -1, 1);
+            at->n.at[c][k] = (float)check_uniform(random, -1, 1);
+            at->view.at[c][k] = (float)check_uniform(random, -1, 1);
             run->rgb.at[c][k] = (float)check_uniform(random, -1, 1);
         }
+    }
+    for (int c = 0; c < 3; c++) {
+        run->n[c] = at->n.at[c];
+        run->view[c] = at->view.at[c];
     }
 }
 
@@ -86,6 +94,60 @@ static void runs_read_the_texels_of_the_map(void **state)
                     assert_true(image[3 * run.pixel[k] + (uint32_t)c] == run.rgb.at[c][k]);
             }
         }
+}
+
+/* A buffer in which every number is another. */
+static void number(ncr_gbuffer *g)
+{
+    float *const plane[] = {g->u,  g->v,  g->px, g->py, g->pz, g->nx,
+                            g->ny, g->nz, g->vx, g->vy, g->vz};
+    const size_t pixels = (size_t)g->width * g->height;
+    for (size_t k = 0; k < pixels; k++) {
+        g->patch[k] = (uint32_t)k;
+        for (size_t p = 0; p < sizeof plane / sizeof *plane; p++)
+            plane[p][k] = (float)(p * pixels + k);
+    }
+}
+
+static void expect_pixel(const ncr_gbuffer *g, const ncr_run *run, size_t k)
+{
+    const size_t at = run->pixel[k];
+    assert_true(run->patch[k] == g->patch[at] && run->u[k] == g->u[at] && run->v[k] == g->v[at]);
+    assert_true(run->x[0][k] == g->px[at] && run->x[1][k] == g->py[at] &&
+                run->x[2][k] == g->pz[at]);
+    assert_true(run->n[0][k] == g->nx[at] && run->n[1][k] == g->ny[at] &&
+                run->n[2][k] == g->nz[at]);
+    assert_true(run->view[0][k] == g->vx[at] && run->view[1][k] == g->vy[at] &&
+                run->view[2][k] == g->vz[at]);
+}
+
+static void runs_in_place_and_packed_ones_hold_the_same(void **state)
+{
+    (void)state;
+    static ncr_run place, packed;
+    ncr_gbuffer g;
+    CHECK_STATUS(NCR_OK, ncr_gbuffer_init(NULL, 400, 1, &g));
+    number(&g);
+    for (size_t length = 1; length <= 400; length++) {
+        const size_t begin = 400 - length, rows = length / 64 < 2 ? length / 64 : 2;
+        assert_int_equal(ncr_run_take(&g, begin, 400, &place), 64 * rows);
+        assert_int_equal(place.count, 64 * rows);
+        for (size_t k = 0; k < place.count; k++) {
+            assert_int_equal(place.pixel[k], begin + k);
+            expect_pixel(&g, &place, k);
+        }
+    }
+    packed.count = 0;
+    for (size_t at = 0, taken; packed.count < NCR_RUN; at += taken + 3) {
+        const size_t before = packed.count, room = NCR_RUN - before;
+        taken = ncr_run_add(&g, at, at + 37, &packed);
+        assert_int_equal(taken, room < 37 ? room : 37);
+        assert_int_equal(packed.count, before + taken);
+        assert_int_equal(packed.pixel[before], at);
+    }
+    for (size_t k = 0; k < packed.count; k++)
+        expect_pixel(&g, &packed, k);
+    ncr_gbuffer_dispose(NULL, &g);
 }
 
 static void runs_touch_no_other_pixel(void **state)
@@ -139,6 +201,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(runs_read_the_texels_of_the_map),
+        cmocka_unit_test(runs_in_place_and_packed_ones_hold_the_same),
         cmocka_unit_test(runs_touch_no_other_pixel),
         cmocka_unit_test(runs_are_the_same_on_every_instruction_set),
     };
