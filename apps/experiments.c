@@ -25,25 +25,40 @@ const char *experiment_name(size_t k)
     return k < sizeof names / sizeof names[0] ? names[k] : NULL;
 }
 
-/* Table 6.2's rows, and the three that others use; `group` begins a row of pictures. */
+/* Table 6.2's rows, and the three that others use; `group` begins a row of pictures, and `look` says
+ * what to look at there. */
 static const struct {
-    const char *method, *group;
+    const char *method, *group, *look;
 } mirror_methods[] = {
-    {"trace", "One map for the whole object"},
-    {"envmap", NULL},
-    {"proxy", NULL},
-    {"distance", "The closest point, the best aligned one, the mean of four (Figures 4.1 to 4.3)"},
-    {"angle", NULL},
-    {"average", NULL},
-    {"cosine-r:1", "Blended about the mirror direction (Figure 4.5)"},
-    {"cosine-r:4", NULL},
-    {"cosine-r:8", NULL},
-    {"cosine-r:16", NULL},
-    {"cosine-n:1", "Blended about the normal (Figure 4.6)"},
-    {"cosine-n:4", NULL},
-    {"cosine-n:8", NULL},
-    {"cosine-n:16", NULL},
-    {"abs-r:4", "The blend about the mirror direction as it is printed, points behind it included"},
+    {"trace", "One map for the whole object",
+     "One picture of the surroundings, seen from the object's middle, serves all of it: what "
+     "stands "
+     "close is mirrored in the wrong place, and the object never mirrors itself. The proxy bends "
+     "look-ups to the walls of a box about the scene."},
+    {"envmap", NULL, NULL},
+    {"proxy", NULL, NULL},
+    {"distance", "The closest point, the best aligned one, the mean of four (Figures 4.1 to 4.3)",
+     "Every texel looks into light captured just above it, so near things and the object itself "
+     "are "
+     "where they belong. A single point is sharp and jumps where texels change their point; the "
+     "mean of four is smooth and shows near edges more than once."},
+    {"angle", NULL, NULL},
+    {"average", NULL, NULL},
+    {"cosine-r:1", "Blended about the mirror direction (Figure 4.5)",
+     "Four points, weighed by how well each lies along the mirrored ray, to a power. Low powers "
+     "blur, high ones come close to the best point alone and its jumps."},
+    {"cosine-r:4", NULL, NULL},
+    {"cosine-r:8", NULL, NULL},
+    {"cosine-r:16", NULL, NULL},
+    {"cosine-n:1", "Blended about the normal (Figure 4.6)",
+     "The same by how well each point lies above the surface: weights that do not change as the "
+     "eye "
+     "moves."},
+    {"cosine-n:4", NULL, NULL},
+    {"cosine-n:8", NULL, NULL},
+    {"cosine-n:16", NULL, NULL},
+    {"abs-r:4", "The blend about the mirror direction as it is printed, points behind it included",
+     "Without its sign the cosine lets points behind the mirrored ray in: compare cosine-r:4."},
 };
 enum { mirror_count = sizeof mirror_methods / sizeof mirror_methods[0] };
 
@@ -74,8 +89,10 @@ static ncr_status full_pictures(experiments *x, const lab_field *f)
     }
     report_page_row_end(
         x->page, REPORT_PICTURES,
-        "The surface and its reflection together (Figure 6.3). Point at a picture to see "
-        "the reference in its place.");
+        "The surface and its reflection together (Figure 6.3). Look where the object mirrors near "
+        "things and itself: the environment map has them elsewhere, or not at all. Below each "
+        "picture stands where its luminance is off. Point at a picture, or tap it, to see the "
+        "ray trace in its place.");
     return status;
 }
 
@@ -86,6 +103,9 @@ static ncr_status reconstruction(experiments *x, const lab_field *f, bool show_p
     if (show_pictures) {
         report_page_heading(x->page, REPORT_FIGURES,
                             "Reconstruction: the surface read from its field (Figure 6.1)");
+        report_page_say(x->page, REPORT_FIGURES,
+                        "The object's own colour, looked up along the way back from a point above "
+                        "it. Look at rims and folds, where points see the surface edge on.");
         report_page_row_begin(x->page, REPORT_FIGURES);
         status =
             run_show_reference(x, REPORT_FIGURES, NCR_TERM_RECON, "the object without reflection");
@@ -112,6 +132,7 @@ static ncr_status begin_group(experiments *x, size_t k)
         report_page_geometry(page, REPORT_FIGURES);
     }
     report_page_subheading(page, REPORT_FIGURES, mirror_methods[k].group);
+    report_page_say(page, REPORT_FIGURES, "%s", mirror_methods[k].look);
     report_page_row_begin(page, REPORT_FIGURES);
     return k ? NCR_OK
              : run_show_reference(x, REPORT_FIGURES, NCR_TERM_REFLECT, "the reflection alone");
@@ -163,6 +184,9 @@ static ncr_status horizon(experiments *x, const lab_field *f)
     without.horizon_off = true;
     report_page_heading(x->page, REPORT_FIGURES,
                         "With and without the 65 degree rule (Figure 6.1)");
+    report_page_say(x->page, REPORT_FIGURES,
+                    "The nearest point within 65 degrees of the normal is taken, or the nearest of "
+                    "all, which may see the surface edge on: specks along creases.");
     report_page_row_begin(x->page, REPORT_FIGURES);
     ncr_status status =
         run_show_reference(x, REPORT_FIGURES, NCR_TERM_RECON, "the object without reflection");

@@ -78,10 +78,10 @@ static ncr_status false_colour_figure(experiments *x, const lab_field *f)
         if (x->l->mask[k])
             ncr_false_color(ncr_sample_map_at(f->map, g->patch[k], g->u[k], g->v[k])[0],
                             rgb + 3 * k);
-    const ncr_status status =
-        report_page_rgb8(x->page, REPORT_FIGURES, "The nearest sample point of each texel",
-                         "the teapot in false colours, a patch of one colour for each point",
-                         g->width, g->height, rgb);
+    const ncr_status status = report_page_rgb8(
+        x->page, REPORT_FIGURES, "The nearest sample point of each texel, a colour for each",
+        "the object in false colours, a patch of one colour for each point", g->width, g->height,
+        rgb);
     ncr_free(&x->l->a->ctx, rgb);
     return status;
 }
@@ -165,8 +165,8 @@ static ncr_status points_figure(experiments *x, const lab_field *f)
         draw_dot(g, p, frame, l->v.camera, rgb);
     }
     const ncr_status status =
-        report_page_rgb8(x->page, REPORT_FIGURES, "The sample points",
-                         "the teapot dotted with sample points", g->width, g->height, rgb);
+        report_page_rgb8(x->page, REPORT_FIGURES, "The sample points, just above the surface",
+                         "the object dotted with sample points", g->width, g->height, rgb);
     ncr_free(&l->a->ctx, rgb);
     return status;
 }
@@ -268,6 +268,10 @@ ncr_status figures_registration(experiments *x, const ncr_gbuffer *raw)
     if (status != NCR_OK)
         return status;
     report_page_heading(x->page, REPORT_FIGURES, "How far patch and ray are apart");
+    report_page_say(
+        x->page, REPORT_FIGURES,
+        "Rays meet triangles, which lie beside the curved patch between their corners. "
+        "Refined hits lie on the patch: a dark picture is a good one. Both share a scale.");
     report_page_row_begin(x->page, REPORT_FIGURES);
     measure_registration(x, raw, "registration error, triangle hits", &map, &mean[0]);
     const double scale = mean[0] > 0 ? 4 * mean[0] : 1;

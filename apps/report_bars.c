@@ -15,12 +15,14 @@ static int by_value(const void *a, const void *b)
     return p->row < q->row ? -1 : p->row > q->row; /* rows of one array */
 }
 
-static void put_bar(const series_mark *m, size_t k, double largest, text *out)
+static void put_bar(const series *s, const series_mark *m, size_t k, double largest, text *out)
 {
     const double y = (double)(k * row_height), length = (right - left) * m->value / largest;
     text_printf(out, "<text class=\"label\" x=\"%d\" y=\"%.1f\" text-anchor=\"end\">", left - 8,
                 y + 16);
-    text_escaped(out, m->row->method);
+    char label[series_label_room];
+    series_label(s, m, label);
+    text_escaped(out, label);
     if (m->row->cube)
         text_printf(out, " \xc2\xb7 %u\xc2\xb2", m->row->cube);
     text_printf(out,
@@ -59,7 +61,7 @@ ncr_status report_plot_bars(const report_table *table, const char *experiment, r
                     "aria-label=\"%s of each method\">\n",
                     width, s.count * row_height + 20, report_metric_name(metric));
         for (size_t k = 0; k < s.count; k++)
-            put_bar(&s.marks[k], k, largest, out);
+            put_bar(&s, &s.marks[k], k, largest, out);
         const double value =
             table->floor.known ? report_metric_value(metric, &table->floor.error, false) : 0;
         if (value > 0 && value <= largest)

@@ -105,8 +105,10 @@ static ncr_status rates(experiments *x)
     ncr_status status = report_plot_rates(&plot);
     if (status == NCR_OK)
         report_page_plot(x->page, REPORT_FIGURES,
-                         "Solid angle of a texel, relative to the middle of the map: the smaller, "
-                         "the more texels are spent there",
+                         "How much of the sphere a texel covers, relative to the middle of the map "
+                         "(Heidrich's figure 4, with the octahedron): the lower, the finer the map "
+                         "there. A level line would spend texels evenly, as the sphere map does; "
+                         "nacre env --rates prints these curves",
                          &plot);
     text_dispose(&plot);
     return status;

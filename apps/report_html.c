@@ -64,7 +64,7 @@ ncr_status report_put_plots(const report_table *table, text *out)
     for (size_t k = 0; status == NCR_OK && (name = report_table_experiment(table, k)); k++) {
         if (!worth_plotting(table, name))
             continue;
-        text_put(out, "<h3>");
+        text_printf(out, "<h3 id=\"plot-%zu\">", k);
         text_escaped(out, report_words_title(name));
         text_put(out, "</h3>\n<div class=\"plots\">\n");
         put_plot(table, name, "Error of lightness against run time", report_plot_scatter,
@@ -127,12 +127,33 @@ static void put_head(const report_page *page, text *out)
     text_put(out, "</header>\n");
 }
 
+/* What a chapter of experiments holds. */
+static void put_contents(const report_table *table, const char *part, bool plots, text *out)
+{
+    const char *name;
+    text_put(out, "<nav>\n");
+    for (size_t k = 0; (name = report_table_experiment(table, k)); k++) {
+        if (plots && !worth_plotting(table, name))
+            continue;
+        text_printf(out, "<a href=\"#%s-%zu\">", part, k);
+        text_escaped(out, report_words_title(name));
+        text_put(out, "</a>\n");
+    }
+    text_put(out, "</nav>\n");
+}
+
 static ncr_status put_measurements(const report_table *table, text *out)
 {
     text_put(out, "<section id=\"tables\"><h2>Tables</h2>\n");
+    put_contents(table, "table", false, out);
     put_method_note(out);
     report_put_tables(table, out);
-    text_put(out, "</section>\n<section id=\"plots\"><h2>Plots</h2>\n");
+    text_put(out,
+             "</section>\n<section id=\"plots\"><h2>Plots</h2>\n"
+             "<p class=\"note\">Left and down is better. A method on the blue line is beaten by "
+             "none: nothing else is both faster and closer. Larger cubes of a method hang on "
+             "its thread. Below the dashed floor the reference itself is no better known.</p>\n");
+    put_contents(table, "plot", true, out);
     const ncr_status status = report_put_plots(table, out);
     text_put(out, "</section>\n");
     return status;

@@ -75,12 +75,13 @@ static void fit(scatter *p)
 static void put_tick(const scatter *p, double value, bool is_x, text *out)
 {
     const float at = is_x ? map_x(p, value) : map_y(p, value);
-    if (is_x)
+    if (is_x) /* the last one ends with the frame, where the drawing ends */
         text_printf(out,
                     "<path class=\"grid\" d=\"M%.1f %.1fV%.1f\"/>"
-                    "<text class=\"tick\" x=\"%.1f\" y=\"%.1f\" text-anchor=\"middle\">",
-                    (double)at, (double)frame.y0, (double)frame.y1, (double)at,
-                    (double)frame.y1 + 16);
+                    "<text class=\"tick\" x=\"%.1f\" y=\"%.1f\" text-anchor=\"%s\">",
+                    (double)at, (double)frame.y0, (double)frame.y1,
+                    (double)(at > frame.x1 - 14 ? frame.x1 + 8 : at), (double)frame.y1 + 16,
+                    at > frame.x1 - 14 ? "end" : "middle");
     else
         text_printf(out,
                     "<path class=\"grid\" d=\"M%.1f %.1fH%.1f\"/>"
@@ -141,7 +142,9 @@ static void put_mark(const scatter *p, const series_mark *m, text *out)
     snprintf(classes, sizeof classes, "mark c%d%s", m->family % colours, m->front ? " front" : "");
     put_shape(m->size, m->x, m->y, classes, out);
     text_put(out, "<title>");
-    text_escaped(out, m->row->method);
+    char label[series_label_room];
+    series_label(p->series, m, label);
+    text_escaped(out, label);
     if (m->row->cube)
         text_printf(out, ", cubes of %u\xc2\xb2", m->row->cube);
     text_printf(out, "\n%s %.4g\n", report_metric_name(p->metric), m->value);
@@ -179,7 +182,7 @@ static const series_mark *next_size(const series *s, const series_mark *m)
     for (size_t k = 0; k < s->count; k++) {
         const series_mark *other = &s->marks[k];
         if (other->row->cube > m->row->cube && !strcmp(other->row->method, m->row->method) &&
-            (!next || other->row->cube < next->row->cube))
+            other->row->epsilon == m->row->epsilon && (!next || other->row->cube < next->row->cube))
             next = other;
     }
     return next;
@@ -202,8 +205,10 @@ static void put_label(scatter *p, const series_mark *m, text *out)
 {
     if (next_size(p->series, m))
         return;
+    char name[series_label_room];
+    series_label(p->series, m, name);
     const float letter = m->front ? 6.9f : 6.2f; /* wide for system-ui at 11 */
-    const float height = 13, width = letter * (float)strlen(m->row->method) + 4;
+    const float height = 13, width = letter * (float)strlen(name) + 4;
     label_box box;
     int ring;
     if (!label_place(&p->space, m->x, m->y, width, height, &box, &ring))
@@ -217,7 +222,7 @@ static void put_label(scatter *p, const series_mark *m, text *out)
                                              : m->y));
     text_printf(out, "<text class=\"label%s\" x=\"%.1f\" y=\"%.1f\" text-anchor=\"middle\">",
                 m->front ? " front" : "", (double)cx, (double)box.y1 - 3);
-    text_escaped(out, m->row->method);
+    text_escaped(out, name);
     text_put(out, "</text>\n");
 }
 

@@ -8,6 +8,7 @@
 #include "shading/map_kind.h"
 
 #include <math.h>
+#include <stdlib.h>
 
 static const double pi = 3.14159265358979323846;
 
@@ -26,6 +27,8 @@ static const curve curves[] = {
     {"cube, across a corner", NCR_MAP_CUBE, {0, 0, 1}, {R2, R2, 0}},
     {"sphere", NCR_MAP_SPHERE, {0, 0, 1}, {1, 0, 0}},
     {"lat-long, to a pole", NCR_MAP_LATLONG, {-1, 0, 0}, {0, 0, 1}},
+    {"octahedral, to a vertex", NCR_MAP_OCTAHEDRAL, {0, 0, 1}, {1, 0, 0}},
+    {"octahedral, to an edge", NCR_MAP_OCTAHEDRAL, {0, 0, 1}, {R2, R2, 0}},
 };
 enum { curve_count = sizeof curves / sizeof curves[0] };
 
@@ -46,6 +49,18 @@ static double at_x(double degrees)
     return left + (right - left) * degrees / 90;
 }
 
+/* Logarithmic, from an eighth to eight. Below lies only the very pole of lat-long. */
+static double at_y(double relative)
+{
+    const double t = (log2(fmax(relative, 0.125)) + 3) / 6;
+    return bottom - (bottom - top) * t;
+}
+
+static double relative(const curve *c, double degrees)
+{
+    return density(c, degrees) / density(c, 0);
+}
+
 static void put_axes(text *out)
 {
     for (int k = 0; k <= 6; k++)
@@ -53,13 +68,12 @@ static void put_axes(text *out)
                     "<path class=\"grid\" d=\"M%.1f %dV%d\"/><text class=\"tick\" x=\"%.1f\" "
                     "y=\"%d\" text-anchor=\"middle\">%d\xc2\xb0</text>\n",
                     at_x(15 * k), top, bottom, at_x(15 * k), bottom + 16, 15 * k);
-    for (int k = 0; k <= 4; k++) {
-        const double y = bottom - (bottom - top) * k / 4.0;
+    for (int k = -3; k <= 3; k++)
         text_printf(out,
                     "<path class=\"grid\" d=\"M%d %.1fH%d\"/><text class=\"tick\" x=\"%d\" "
-                    "y=\"%.1f\" text-anchor=\"end\">%g</text>\n",
-                    left, y, right, left - 6, y + 4, k / 4.0);
-    }
+                    "y=\"%.1f\" text-anchor=\"end\">%s%d</text>\n",
+                    left, at_y(exp2(k)), right, left - 6, at_y(exp2(k)) + 4, k < 0 ? "1/" : "",
+                    1 << abs(k));
     text_printf(out,
                 "<text class=\"name\" x=\"%d\" y=\"%d\" text-anchor=\"middle\">angle from the "
                 "middle of the map</text>\n",
@@ -68,12 +82,11 @@ static void put_axes(text *out)
 
 static void put_curve(int k, text *out)
 {
-    const double one = density(&curves[k], 0);
     text_printf(out,
                 "<path class=\"c%d\" fill=\"none\" stroke=\"var(--c)\" stroke-width=\"2\" d=\"", k);
     for (int half = 0; half <= 180; half++)
         text_printf(out, "%c%.1f %.1f", half ? 'L' : 'M', at_x(0.5 * half),
-                    bottom - (bottom - top) * density(&curves[k], 0.5 * half) / one);
+                    at_y(relative(&curves[k], 0.5 * half)));
     text_put(out, "\"><title>");
     text_escaped(out, curves[k].name);
     text_put(out, "</title></path>\n");
@@ -96,4 +109,17 @@ ncr_status report_plot_rates(text *out)
     }
     text_put(out, "</p>\n");
     return text_status(out);
+}
+
+void report_csv_rates(text *out)
+{
+    text_put(out, "degrees");
+    for (int k = 0; k < curve_count; k++)
+        text_printf(out, ",\"%s\"", curves[k].name);
+    for (int degrees = 0; degrees <= 90; degrees++) {
+        text_printf(out, "\n%d", degrees);
+        for (int k = 0; k < curve_count; k++)
+            text_printf(out, ",%.6g", relative(&curves[k], degrees));
+    }
+    text_put(out, "\n");
 }

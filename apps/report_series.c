@@ -4,6 +4,7 @@
 #include "apps/report_plot.h"
 
 #include <math.h>
+#include <stdio.h>
 #include <string.h>
 
 void report_pareto(size_t count, const double *seconds, const double *error, bool *front)
@@ -38,6 +39,21 @@ static int size_index(series *s, uint32_t cube)
         return series_names_max - 1;
     s->size_value[s->sizes] = cube;
     return s->sizes++;
+}
+
+/* Rows that only their offset tells apart are named with it. */
+static void find_offsets(series *s)
+{
+    for (size_t k = 1; k < s->count; k++)
+        s->offsets |= s->marks[k].row->epsilon != s->marks[0].row->epsilon;
+}
+
+void series_label(const series *s, const series_mark *m, char label[series_label_room])
+{
+    if (s->offsets)
+        snprintf(label, series_label_room, "%s, \xce\xb5 %g", m->row->method, m->row->epsilon);
+    else
+        snprintf(label, series_label_room, "%s", m->row->method);
 }
 
 static void add_mark(series *s, const report_row *row, double value)
@@ -85,6 +101,7 @@ ncr_status series_init(const report_table *table, const char *experiment, report
         else if (!s.exact || row->seconds < s.exact->seconds)
             s.exact = row;
     }
+    find_offsets(&s);
     const ncr_status status = mark_front(table->ctx, &s);
     if (status != NCR_OK)
         series_dispose(table->ctx, &s);

@@ -32,8 +32,9 @@ static const char page_style[] =
     "padding:14px 18px}\n"
     ".card span,.card small{display:block;color:var(--soft);font-size:14px}"
     ".card b{font-size:28px;font-weight:600;font-variant-numeric:tabular-nums}\n"
-    ".group{margin:18px 0 26px}.row figure{max-width:600px}.row{display:grid;gap:18px;"
-    "grid-template-columns:repeat(auto-fit,minmax(min(280px,100%),1fr))}\n"
+    ".group{margin:18px 0 26px}.row figure{max-width:600px}"
+    ".row figure:only-child{max-width:387px}.row{display:grid;gap:18px;"
+    "grid-template-columns:repeat(auto-fit,minmax(min(180px,100%),1fr))}\n"
     "figure{margin:12px 0;max-width:100%}.row figure{margin:0}\n"
     "img{display:block;max-width:100%;height:auto;border-radius:6px;background:#000}"
     ".row img{width:100%}.difference{margin-top:8px}\n"
@@ -54,9 +55,9 @@ static const char page_style[] =
     ".ramp b:first-child{text-align:left}.ramp b:last-child{text-align:right}\n"
     ".wide{overflow-x:auto;background:var(--panel);border:1px solid var(--line);"
     "border-radius:10px}\n"
-    "table{border-collapse:collapse;font-size:13px;font-variant-numeric:tabular-nums;"
+    "table{border-collapse:collapse;font-size:12.5px;font-variant-numeric:tabular-nums;"
     "white-space:nowrap;width:100%}\n"
-    "th,td{padding:5px 10px;text-align:right;font-weight:400}thead th{color:var(--soft)}"
+    "th,td{padding:5px 6px;text-align:right;font-weight:400}thead th{color:var(--soft)}"
     "thead th[title]{text-decoration:underline dotted;text-underline-offset:3px;cursor:help}\n"
     "th.left{text-align:left;position:sticky;left:0;background:var(--panel)}"
     "th.span{text-align:center;border-bottom:1px solid var(--line)}\n"
@@ -67,10 +68,12 @@ static const char page_style[] =
     ".plots{display:grid;gap:22px;grid-template-columns:repeat(auto-fit,minmax(min(520px,100%),"
     "1fr));align-items:start}\n"
     ".panel{background:var(--panel);border:1px solid var(--line);border-radius:10px;"
-    "padding:14px 16px}.panel h4{margin:0 0 8px;font-size:15px}\n";
+    "padding:14px 16px;overflow-x:auto}figure.panel{max-width:700px}.panel h4{margin:0 0 "
+    "8px;font-size:15px}\n";
 
 static const char plot_style[] =
-    "svg.plot{display:block;width:100%;height:auto}svg text{font:12px system-ui,sans-serif;"
+    "svg.plot{display:block;width:100%;height:auto;min-width:480px}svg text{font:12px "
+    "system-ui,sans-serif;"
     "fill:var(--ink)}\n"
     "svg .tick,svg .name{fill:var(--soft)}svg .label{font-size:11px}svg .front.label{"
     "font-weight:600}\n"

@@ -280,13 +280,15 @@ static void put_row(const view *v, const report_row *row, text *out)
 /* The settings that all rows share, and the floor. */
 static void put_common(const view *v, text *out)
 {
+    const char *before = "";
     text_put(out, "<p class=\"note\">");
     for (int s = 0; s < setting_count; s++)
-        if (!v->varies[s]) {
-            text_printf(out, "%s ", settings[s].name);
+        if (!v->varies[s] && v->first->cube) { /* the ray trace alone has none of them */
+            text_printf(out, "%s%s ", before, settings[s].name);
             settings[s].put(out, v->first);
-            text_put(out, ". ");
+            before = ", ";
         }
+    text_put(out, *before ? ". " : "");
     if (v->table->floor.known) {
         const ncr_image_error *e = &v->table->floor.error;
         text_put(out, "Floor of the reference (");
@@ -313,7 +315,7 @@ void report_put_tables(const report_table *table, text *out)
     const char *experiment;
     for (size_t k = 0; (experiment = report_table_experiment(table, k)); k++) {
         const view v = make_view(table, experiment);
-        text_put(out, "<h3>");
+        text_printf(out, "<h3 id=\"table-%zu\">", k);
         text_escaped(out, report_words_title(experiment));
         text_put(out, "</h3>\n<p>");
         text_escaped(out, report_words_note(experiment));

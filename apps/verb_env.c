@@ -2,6 +2,7 @@
  * verb_env.c - nacre env: directional maps from kind to kind and convention to convention. */
 #include "apps/env_light.h"
 #include "apps/map_words.h"
+#include "apps/report_rates.h"
 #include "apps/verbs.h"
 
 #include <math.h>
@@ -12,7 +13,7 @@ typedef struct env_options {
     const char *in, *out, *to, *from, *convention, *from_up, *up;
     uint32_t size;
     double exposure;
-    bool chart, half, single, rgb9e5, mips;
+    bool chart, half, single, rgb9e5, mips, rates;
 } env_options;
 
 /* Everything a conversion holds; closed as one. */
@@ -236,6 +237,17 @@ static json_t *describe_light(const env_job *job)
     return out;
 }
 
+static ncr_status print_rates(const app *a)
+{
+    text csv = {.ctx = &a->ctx};
+    report_csv_rates(&csv);
+    const ncr_status status = text_status(&csv);
+    if (status == NCR_OK)
+        fwrite(csv.data, 1, csv.size, stdout);
+    text_dispose(&csv);
+    return status;
+}
+
 int verb_env(int argc, char **argv)
 {
     env_options o = {0};
@@ -261,13 +273,18 @@ int verb_env(int argc, char **argv)
         {"--exposure", 0, OPTION_NUMBER, &o.exposure, "E", "factor for PNG (default 1)"},
         {"--chart", 0, OPTION_FLAG, &o.chart, NULL,
          "no IN: draw six labelled faces, to see which way a map lies"},
+        {"--rates", 0, OPTION_FLAG, &o.rates, NULL,
+         "no IN, no OUT: how finely each kind samples by angle, as CSV on stdout"},
         APP_OPTIONS(&o.common),
     };
     const command_line line = {
-        .usage = "nacre env IN -o OUT [options]\n       nacre env --chart -o OUT [options]",
+        .usage = "nacre env IN -o OUT [options]\n       nacre env --chart -o OUT [options]\n       "
+                 "nacre env --rates",
         .summary = "Convert an environment map between kinds and conventions.",
         .example =
             "nacre env sunset.hdr --from usd --from-up y -o sunset.exr --to cube --size 256\n"
+            "  nacre env sunset.exr --up y --mips -o sunset.ktx2\n"
+            "  nacre env sunset.exr -o light.glb\n"
             "  nacre env --chart --to latlong --convention usd -o chart.png",
         .options = options,
         .word_count = 1,
@@ -278,6 +295,13 @@ int verb_env(int argc, char **argv)
     const parse_result parsed = command_line_parse(&line, argc, argv);
     if (parsed != PARSE_OK)
         return parsed == PARSE_HELP ? EXIT_DONE : EXIT_USAGE;
+    if (o.rates) {
+        app_begin(&o.common);
+        if (words || o.chart || o.out)
+            return app_exit_code(
+                ncr_fail(&o.common.ctx, NCR_E_ARG, "--rates takes neither IN nor OUT nor --chart"));
+        return app_exit_code(print_rates(&o.common));
+    }
     if (!words && !o.chart)
         return command_line_missing("IN");
     if (!o.out)

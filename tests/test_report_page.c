@@ -211,16 +211,40 @@ static void the_csv_has_a_header_and_a_line_for_each_row(void **state)
 
 /* ---- the page ----------------------------------------------------------------------------- */
 
-/* Five curves, all of which begin in the middle at 1; the paraboloid ends at a quarter. */
+/* Seven curves, all of which begin in the middle at 1; the paraboloid ends at a quarter. */
 static void sampling_rates_are_drawn(void **state)
 {
     (void)state;
     text plot = {0};
     assert_int_equal(report_plot_rates(&plot), NCR_OK);
-    assert_int_equal(occurrences(plot.data, "<path class=\"c"), 5);
-    assert_int_equal(occurrences(plot.data, "d=\"M58.0 14.0L"), 5);
-    assert_int_equal(occurrences(plot.data, "L600.0 258.5\""), 1);
+    assert_int_equal(occurrences(plot.data, "<path class=\"c"), 7);
+    assert_int_equal(occurrences(plot.data, "d=\"M58.0 177.0L"), 7);
+    assert_int_equal(occurrences(plot.data, "L600.0 285.7\""), 1);
     text_dispose(&plot);
+}
+
+/* cos^4(a/2), cos^3 a up to an edge, 3^(-3/2) near a corner, 1, cos a; on the octahedron |p|^-3. */
+static void sampling_rates_are_the_closed_forms(void **state)
+{
+    (void)state;
+    text csv = {0};
+    report_csv_rates(&csv);
+    const char *at = strchr(csv.data, '\n');
+    for (int degrees = 0; degrees <= 90; degrees++) {
+        const double a = degrees * 3.14159265358979323846 / 180, c = cos(a), s = sin(a);
+        const double edge = fmax(c, s), corner = fmax(c, s * sqrt(0.5));
+        const double expected[8] = {
+            degrees, pow(cos(a / 2), 4), pow(edge, 3),           pow(corner, 3), 1,
+            c,       pow(c + s, 3),      pow(c + sqrt(2) * s, 3)};
+        for (int k = 0; k < 8; k++) {
+            char *end;
+            assert_true(*at == (k ? ',' : '\n'));
+            CHECK_NEAR(strtod(at + 1, &end), expected[k], 1e-5 * (1 + expected[k]));
+            at = end;
+        }
+    }
+    assert_string_equal(at, "\n");
+    text_dispose(&csv);
 }
 
 static void the_page_is_well_formed_and_whole(void **state)
@@ -476,6 +500,7 @@ int main(int argc, char **argv)
         cmocka_unit_test(the_json_holds_what_scripts_rely_on),
         cmocka_unit_test(the_csv_has_a_header_and_a_line_for_each_row),
         cmocka_unit_test(sampling_rates_are_drawn),
+        cmocka_unit_test(sampling_rates_are_the_closed_forms),
         cmocka_unit_test(the_page_is_well_formed_and_whole),
         cmocka_unit_test(an_empty_table_makes_a_page),
         cmocka_unit_test(odd_numbers_do_not_break_plots),
