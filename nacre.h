@@ -48,6 +48,7 @@
 #include "shading/lobe.h"
 #include "shading/lobe_sum.h"
 #include "shading/map_kind.h"
+#include "shading/map_rows.h"
 #include "shading/material.h"
 #include "shading/method.h"
 #include "shading/npr_map.h"

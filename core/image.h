@@ -34,6 +34,28 @@ static inline float *ncr_image_at(const ncr_image *image, uint32_t x, uint32_t y
     return image->data + ((size_t)y * image->width + x) * image->channels;
 }
 
+/** Takes an image in rows, so that it need not be held whole. */
+typedef struct ncr_row_sink {
+    void *user;
+    /** What will come, before any row. NCR_E_CANCELLED: that was all that is wanted. */
+    ncr_status (*begin)(void *user, uint32_t width, uint32_t height, uint32_t channels);
+    /** Rows [y, y + count), [count][width][channels], the taker's to change until it returns. Each
+     *  row comes once; runs of rows come in any order. */
+    ncr_status (*rows)(void *user, uint32_t y, uint32_t count, float *rows);
+} ncr_row_sink;
+
+/** Gives an image in rows. */
+typedef struct ncr_row_source {
+    uint32_t width, height, channels;
+    void *user;
+    /** Write rows [y, y + count) to out[count][width][channels]. Each is asked for once, from the
+     *  top down. */
+    ncr_status (*rows)(void *user, uint32_t y, uint32_t count, float *out);
+} ncr_row_source;
+
+/** The rows of an image, which is borrowed. */
+NCR_API ncr_row_source ncr_image_rows(const ncr_image *image);
+
 NCR_END
 
 #endif

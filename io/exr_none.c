@@ -9,16 +9,16 @@ static ncr_status refuse(const ncr_ctx *ctx, const char *path)
                     path);
 }
 
-ncr_status ncr_exr_read(const ncr_ctx *ctx, const char *path, ncr_image *out)
+ncr_status ncr_exr_read(const ncr_ctx *ctx, const char *path, const ncr_row_sink *sink)
 {
-    (void)out;
+    (void)sink;
     return refuse(ctx, path);
 }
 
-ncr_status ncr_exr_write(const ncr_ctx *ctx, const char *path, const ncr_image *image,
+ncr_status ncr_exr_write(const ncr_ctx *ctx, const char *path, const ncr_row_source *rows,
                          const ncr_image_write_opts *opts)
 {
-    (void)image, (void)opts;
+    (void)rows, (void)opts;
     return refuse(ctx, path);
 }
 

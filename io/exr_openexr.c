@@ -8,30 +8,7 @@
 #include <math.h>
 #include <string.h>
 
-enum { max_channels = 8, moderate_tile_row = 1 << 22 /* pixels */ };
-
-/* How images of 1 to 4 channels are called, and then by number. */
-static const char *const names[][max_channels] = {
-    {"Y"},
-    {"Y", "A"},
-    {"R", "G", "B"},
-    {"R", "G", "B", "A"},
-    {"C0", "C1", "C2", "C3", "C4"},
-    {"C0", "C1", "C2", "C3", "C4", "C5"},
-    {"C0", "C1", "C2", "C3", "C4", "C5", "C6"},
-    {"C0", "C1", "C2", "C3", "C4", "C5", "C6", "C7"},
-};
-
-static int index_of(const char *const *name, uint32_t count, const char *wanted)
-{
-    for (uint32_t k = 0; k < count; k++) {
-        if (!strcmp(name[k], wanted))
-            return (int)k;
-    }
-    return -1;
-}
-
-/* ---- Reading ---- */
+enum { max_channels = NCR_EXR_CHANNELS, moderate_tile_row = 1 << 22 /* pixels */ };
 
 typedef struct exr_image {
     ncr_exr_stream stream;
@@ -43,6 +20,10 @@ typedef struct exr_image {
     const char *const *name; /* [channels] */
     exr_decode_pipeline_t decoder;
     bool decoding;
+    const ncr_row_sink *sink;
+    ncr_image strip; /* the lines of a chunk, or of a row of tiles */
+    bool foreign;    /* other primaries than Rec. 709: to_rec709 brings them there */
+    double to_rec709[9];
 } exr_image;
 
 static ncr_status check(exr_image *e, exr_result_t result)
@@ -96,10 +77,10 @@ static ncr_status choose_channels(exr_image *e)
         return refuse(e, NCR_E_BACKEND, "luminance-chroma images are not read");
     static const int choices[] = {3, 1, max_channels - 1}; /* RGBA, YA, C0..C7 */
     for (int k = 0; k < 3 && !e->channels; k++) {
-        e->channels = count_channels(list, names[choices[k]]);
+        e->channels = count_channels(list, ncr_exr_names[choices[k]]);
         if (choices[k] == 3 && e->channels < 3)
             e->channels = 0;
-        e->name = names[choices[k]];
+        e->name = ncr_exr_names[choices[k]];
     }
     if (!e->channels)
         return ncr_fail(e->stream.ctx, NCR_E_FORMAT,
@@ -133,11 +114,10 @@ static ncr_status read_window(exr_image *e)
     return status;
 }
 
-/* Where a chunk goes: its first pixel is (x, y) of the image. */
+/* Where a chunk goes: its first pixel is the strip's upper one at x. */
 typedef struct chunk_place {
     const exr_image *e;
-    const ncr_image *out;
-    uint32_t x, y;
+    uint32_t x;
 } chunk_place;
 
 /* One channel's values of one line, spread over the pixels. */
@@ -174,9 +154,9 @@ static exr_result_t unpack(exr_decode_pipeline_t *d)
     for (int32_t y = 0; y < d->chunk.height; y++) {
         for (int k = 0; k < d->channel_count; k++) {
             const exr_coding_channel_info_t *c = &d->channels[k];
-            const int at = index_of(p->e->name, p->e->channels, c->channel_name);
+            const int at = ncr_exr_name_index(p->e->name, p->e->channels, c->channel_name);
             if (at >= 0)
-                spread(c, in, p->e->channels, ncr_image_at(p->out, p->x, p->y + (uint32_t)y) + at);
+                spread(c, in, p->e->channels, ncr_image_at(&p->e->strip, p->x, (uint32_t)y) + at);
             in += (size_t)c->width * (size_t)c->bytes_per_element;
         }
     }
@@ -186,11 +166,11 @@ static exr_result_t unpack(exr_decode_pipeline_t *d)
 static bool fits(const exr_image *e, const exr_chunk_info_t *chunk, uint32_t x, uint32_t y)
 {
     return chunk->width >= 1 && chunk->height >= 1 && (uint32_t)chunk->width <= e->width - x &&
-           (uint32_t)chunk->height <= e->height - y;
+           (uint32_t)chunk->height <= e->height - y && (uint32_t)chunk->height <= e->strip.height;
 }
 
-static ncr_status decode(exr_image *e, const exr_chunk_info_t *chunk, const ncr_image *out,
-                         uint32_t x, uint32_t y)
+/* The chunk at (x, y) of the image, into the strip that begins at line y. */
+static ncr_status decode(exr_image *e, const exr_chunk_info_t *chunk, uint32_t x, uint32_t y)
 {
     if (!fits(e, chunk, x, y))
         return refuse(e, NCR_E_FORMAT, "a chunk passes the edge of the image");
@@ -201,7 +181,7 @@ static ncr_status decode(exr_image *e, const exr_chunk_info_t *chunk, const ncr_
     if (result == EXR_ERR_SUCCESS && !e->decoding)
         result = exr_decoding_choose_default_routines(exr, e->part, d);
     e->decoding = true;
-    chunk_place place = {.e = e, .out = out, .x = x, .y = y};
+    chunk_place place = {.e = e, .x = x};
     d->decoding_user_data = &place;
     d->unpack_and_convert_fn = unpack;
     if (result == EXR_ERR_SUCCESS)
@@ -209,82 +189,119 @@ static ncr_status decode(exr_image *e, const exr_chunk_info_t *chunk, const ncr_
     return check(e, result);
 }
 
-static ncr_status read_scanlines(exr_image *e, const ncr_image *out)
+/* ---- Strips ---- */
+
+static ncr_status make_strip(exr_image *e, uint64_t lines)
+{
+    return ncr_image_init(e->stream.ctx, e->width, lines < e->height ? (uint32_t)lines : e->height,
+                          e->channels, &e->strip);
+}
+
+static ncr_status give_strip(void *user, uint32_t y, uint32_t count)
+{
+    const exr_image *e = user;
+    const double *m = e->to_rec709;
+    float *p = e->strip.data;
+    for (size_t k = 0; e->foreign && k < (size_t)e->width * count; k++, p += e->channels) {
+        const double rgb[3] = {p[0], p[1], p[2]};
+        for (int i = 0; i < 3; i++)
+            p[i] = (float)(m[3 * i] * rgb[0] + m[3 * i + 1] * rgb[1] + m[3 * i + 2] * rgb[2]);
+    }
+    return e->sink->rows(e->sink->user, y, count, e->strip.data);
+}
+
+static ncr_status read_scanlines(exr_image *e)
 {
     int32_t step = 0;
     ncr_status status = check(e, exr_get_scanlines_per_chunk(e->stream.exr, e->part, &step));
     if (status == NCR_OK && step < 1)
         status = refuse(e, NCR_E_FORMAT, "has no lines in a chunk");
+    if (status == NCR_OK)
+        status = make_strip(e, (uint64_t)step);
     for (uint32_t y = 0; y < e->height && status == NCR_OK; y += (uint32_t)step) {
+        const uint32_t left = e->height - y;
         exr_chunk_info_t chunk;
         status = check(e, exr_read_scanline_chunk_info(e->stream.exr, e->part,
                                                        e->window.min.y + (int)y, &chunk));
         if (status == NCR_OK)
-            status = decode(e, &chunk, out, 0, y);
+            status = decode(e, &chunk, 0, y);
+        if (status == NCR_OK)
+            status = give_strip(e, y, left < (uint32_t)step ? left : (uint32_t)step);
     }
     return status;
 }
 
-static ncr_status read_tiles(exr_image *e, const ncr_image *out)
+static ncr_status tile_size(exr_image *e, uint32_t *w, uint32_t *h)
 {
-    uint32_t w = 0, h = 0;
     exr_tile_level_mode_t levels;
     exr_tile_round_mode_t rounding;
-    ncr_status status =
-        check(e, exr_get_tile_descriptor(e->stream.exr, e->part, &w, &h, &levels, &rounding));
-    if (status == NCR_OK && (w < 1 || h < 1))
-        status = refuse(e, NCR_E_FORMAT, "has tiles of no size");
+    const ncr_status status =
+        check(e, exr_get_tile_descriptor(e->stream.exr, e->part, w, h, &levels, &rounding));
+    return status == NCR_OK && (*w < 1 || *h < 1) ? refuse(e, NCR_E_FORMAT, "has tiles of no size")
+                                                  : status;
+}
+
+static ncr_status read_tiles(exr_image *e)
+{
+    uint32_t w = 0, h = 0;
+    ncr_status status = tile_size(e, &w, &h);
+    if (status == NCR_OK)
+        status = make_strip(e, h);
     for (uint64_t y = 0; y < e->height && status == NCR_OK; y += h) {
         for (uint64_t x = 0; x < e->width && status == NCR_OK; x += w) {
             exr_chunk_info_t chunk;
             status = check(e, exr_read_tile_chunk_info(e->stream.exr, e->part, (int)(x / w),
                                                        (int)(y / h), 0, 0, &chunk));
             if (status == NCR_OK)
-                status = decode(e, &chunk, out, (uint32_t)x, (uint32_t)y);
+                status = decode(e, &chunk, (uint32_t)x, (uint32_t)y);
         }
+        if (status == NCR_OK)
+            status = give_strip(e, (uint32_t)y, e->height - y < h ? (uint32_t)(e->height - y) : h);
     }
     return status;
 }
 
 /* The C++ library holds a row of tiles, and each tile whole, however little of it is image. */
-static ncr_status check_tile_row(exr_image *e)
+static ncr_status check_tile_row(exr_image *e, uint32_t w, uint32_t h)
 {
-    uint32_t w = 0, h = 0;
-    exr_tile_level_mode_t levels;
-    exr_tile_round_mode_t rounding;
-    if (e->storage != EXR_STORAGE_TILED)
-        return NCR_OK;
-    const ncr_status status =
-        check(e, exr_get_tile_descriptor(e->stream.exr, e->part, &w, &h, &levels, &rounding));
     const uint64_t pixels = (uint64_t)e->width * e->height;
     const uint64_t most = pixels < moderate_tile_row ? moderate_tile_row : 4 * pixels;
-    if (status == NCR_OK && (uint64_t)(e->width > w ? e->width : w) * h > most)
+    if ((uint64_t)(e->width > w ? e->width : w) * h > most)
         return ncr_fail(e->stream.ctx, NCR_E_LIMIT,
                         "%s: tiles of %u x %u are far larger than the image of %u x %u",
                         e->stream.path, w, h, e->width, e->height);
-    return status;
+    return NCR_OK;
 }
 
-static ncr_status read_pixels_dwa(exr_image *e, const ncr_image *out)
+/* DWAB keeps 256 lines in a chunk. */
+static ncr_status read_dwa(exr_image *e)
 {
-    const ncr_status status = check_tile_row(e);
-    return status == NCR_OK ? ncr_exr_dwa_read(e->stream.ctx, e->stream.path, e->part, e->name, out)
+    uint32_t w = 0, h = 256;
+    ncr_status status = NCR_OK;
+    if (e->storage == EXR_STORAGE_TILED) {
+        status = tile_size(e, &w, &h);
+        if (status == NCR_OK)
+            status = check_tile_row(e, w, h);
+    }
+    if (status == NCR_OK)
+        status = make_strip(e, h);
+    return status == NCR_OK ? ncr_exr_dwa_read(e->stream.ctx, e->stream.path, e->part, e->name,
+                                               &e->strip, give_strip, e)
                             : status;
 }
 
-static ncr_status read_pixels(exr_image *e, const ncr_image *out)
+static ncr_status read_pixels(exr_image *e)
 {
     if (e->compression == EXR_COMPRESSION_DWAA || e->compression == EXR_COMPRESSION_DWAB)
-        return read_pixels_dwa(e, out);
-    const ncr_status status =
-        e->storage == EXR_STORAGE_TILED ? read_tiles(e, out) : read_scanlines(e, out);
+        return read_dwa(e);
+    const ncr_status status = e->storage == EXR_STORAGE_TILED ? read_tiles(e) : read_scanlines(e);
     if (e->decoding)
         exr_decoding_destroy(e->stream.exr, &e->decoder);
     return status;
 }
 
 /* A file may say what its red, green, blue and white are; most that do say Rec. 709. */
-static ncr_status bring_to_rec709(exr_image *e, const ncr_image *out)
+static ncr_status find_primaries(exr_image *e)
 {
     exr_attr_chromaticities_t c;
     if (e->channels < 3 || e->name[0][0] != 'R' ||
@@ -293,21 +310,13 @@ static ncr_status bring_to_rec709(exr_image *e, const ncr_image *out)
         return NCR_OK;
     const ncr_primaries from = {.x = {c.red_x, c.green_x, c.blue_x, c.white_x},
                                 .y = {c.red_y, c.green_y, c.blue_y, c.white_y}};
-    double m[9];
-    if (ncr_primaries_are_rec709(&from))
-        return NCR_OK;
-    if (!ncr_primaries_to_rec709(&from, m))
+    e->foreign = !ncr_primaries_are_rec709(&from);
+    if (e->foreign && !ncr_primaries_to_rec709(&from, e->to_rec709))
         return refuse(e, NCR_E_FORMAT, "its chromaticities span no colours");
-    float *p = out->data;
-    for (size_t k = 0; k < (size_t)out->width * out->height; k++, p += out->channels) {
-        const double rgb[3] = {p[0], p[1], p[2]};
-        for (int i = 0; i < 3; i++)
-            p[i] = (float)(m[3 * i] * rgb[0] + m[3 * i + 1] * rgb[1] + m[3 * i + 2] * rgb[2]);
-    }
     return NCR_OK;
 }
 
-static ncr_status read_image(exr_image *e, ncr_image *out)
+static ncr_status read_image(exr_image *e)
 {
     ncr_status status = find_flat_part(e);
     if (status == NCR_OK)
@@ -315,151 +324,18 @@ static ncr_status read_image(exr_image *e, ncr_image *out)
     if (status == NCR_OK)
         status = choose_channels(e);
     if (status == NCR_OK)
-        status = ncr_image_init(e->stream.ctx, e->width, e->height, e->channels, out);
+        status = find_primaries(e);
     if (status == NCR_OK)
-        status = read_pixels(e, out);
-    if (status == NCR_OK)
-        status = bring_to_rec709(e, out);
-    return status;
+        status = e->sink->begin(e->sink->user, e->width, e->height, e->channels);
+    return status == NCR_OK ? read_pixels(e) : status;
 }
 
-ncr_status ncr_exr_read(const ncr_ctx *ctx, const char *path, ncr_image *out)
+ncr_status ncr_exr_read(const ncr_ctx *ctx, const char *path, const ncr_row_sink *sink)
 {
-    exr_image e = {0};
+    exr_image e = {.sink = sink};
     ncr_status status = ncr_exr_stream_read(ctx, path, &e.stream);
     if (status == NCR_OK)
-        status = read_image(&e, out);
-    status = ncr_exr_stream_close(&e.stream, status);
-    if (status != NCR_OK)
-        ncr_image_dispose(ctx, out);
-    return status;
-}
-
-/* ---- Writing ---- */
-
-static ncr_status write_header(ncr_exr_stream *s, const ncr_image *image,
-                               const ncr_image_write_opts *opts)
-{
-    const exr_pixel_type_t type = opts->half ? EXR_PIXEL_HALF : EXR_PIXEL_FLOAT;
-    int part = 0;
-    exr_result_t result = exr_add_part(s->exr, NULL, EXR_STORAGE_SCANLINE, &part);
-    if (result == EXR_ERR_SUCCESS)
-        result = exr_initialize_required_attr_simple(s->exr, part, (int32_t)image->width,
-                                                     (int32_t)image->height, EXR_COMPRESSION_ZIP);
-    if (result == EXR_ERR_SUCCESS && opts->comment && *opts->comment)
-        result = exr_attr_set_string(s->exr, part, "comments", opts->comment);
-    if (result == EXR_ERR_SUCCESS && opts->envmap)
-        result = exr_attr_set_envmap(s->exr, part, "envmap",
-                                     opts->envmap == NCR_ENVMAP_CUBE ? EXR_ENVMAP_CUBE
-                                                                     : EXR_ENVMAP_LATLONG);
-    for (uint32_t k = 0; k < image->channels && result == EXR_ERR_SUCCESS; k++)
-        result = exr_add_channel(s->exr, part, names[image->channels - 1][k], type,
-                                 EXR_PERCEPTUALLY_LOGARITHMIC, 1, 1);
-    if (result == EXR_ERR_SUCCESS)
-        result = exr_write_header(s->exr);
-    return ncr_exr_stream_check(s, result);
-}
-
-static void aim_encoder(exr_encode_pipeline_t *encoder, const ncr_image *image, uint32_t y)
-{
-    for (int k = 0; k < encoder->channel_count; k++) {
-        exr_coding_channel_info_t *c = &encoder->channels[k];
-        const int at = index_of(names[image->channels - 1], image->channels, c->channel_name);
-        c->encode_from_ptr = (const uint8_t *)(ncr_image_at(image, 0, y) + at);
-        c->user_data_type = EXR_PIXEL_FLOAT;
-        c->user_bytes_per_element = sizeof(float);
-        c->user_pixel_stride = (int32_t)(image->channels * sizeof(float));
-        c->user_line_stride = (int32_t)(image->width * image->channels * sizeof(float));
-    }
-}
-
-typedef exr_result_t pack_fn(struct _exr_encode_pipeline *encoder);
-
-/* What is stored in as many bytes as it has is read as it stands. OpenEXR 3.1 stores packed bytes
- * when there are just as many of them: then the others must take their place. */
-static exr_result_t pack(exr_encode_pipeline_t *encoder)
-{
-    pack_fn *const *packs = encoder->encoding_user_data;
-    const exr_result_t result = (*packs)(encoder);
-    if (result == EXR_ERR_SUCCESS && encoder->compressed_bytes == encoder->packed_bytes &&
-        encoder->compressed_buffer != encoder->packed_buffer)
-        memcpy(encoder->compressed_buffer, encoder->packed_buffer, encoder->packed_bytes);
-    return result;
-}
-
-static exr_result_t encode(ncr_exr_stream *s, const ncr_image *image, uint32_t y,
-                           exr_encode_pipeline_t *encoder, pack_fn **packs)
-{
-    exr_chunk_info_t chunk;
-    exr_result_t result = exr_write_scanline_chunk_info(s->exr, 0, (int)y, &chunk);
-    if (result == EXR_ERR_SUCCESS)
-        result = y ? exr_encoding_update(s->exr, 0, &chunk, encoder)
-                   : exr_encoding_initialize(s->exr, 0, &chunk, encoder);
-    if (result != EXR_ERR_SUCCESS)
-        return result;
-    aim_encoder(encoder, image, y);
-    if (y == 0) {
-        result = exr_encoding_choose_default_routines(s->exr, 0, encoder);
-        *packs = encoder->compress_fn;
-        encoder->compress_fn = pack;
-        encoder->encoding_user_data = packs;
-    }
-    return result == EXR_ERR_SUCCESS ? exr_encoding_run(s->exr, 0, encoder) : result;
-}
-
-static ncr_status write_scanlines(ncr_exr_stream *s, const ncr_image *image)
-{
-    exr_encode_pipeline_t encoder = EXR_ENCODE_PIPELINE_INITIALIZER;
-    pack_fn *packs = NULL;
-    int32_t step = 0;
-    exr_result_t result = exr_get_scanlines_per_chunk(s->exr, 0, &step);
-    for (uint32_t y = 0; y < image->height && result == EXR_ERR_SUCCESS; y += (uint32_t)step)
-        result = encode(s, image, y, &encoder, &packs);
-    const ncr_status status = ncr_exr_stream_check(s, result);
-    exr_encoding_destroy(s->exr, &encoder);
-    return status;
-}
-
-/* A finite value that would become infinite is an error of the caller's choice of half. */
-static ncr_status check_half(const ncr_ctx *ctx, const char *path, const ncr_image *image)
-{
-    const size_t count = (size_t)image->width * image->height * image->channels;
-    for (size_t k = 0; k < count; k++) {
-        if (fabsf(image->data[k]) >= 65520.0f && isfinite(image->data[k])) {
-            const size_t pixel = k / image->channels;
-            return ncr_fail(ctx, NCR_E_LIMIT, "%s: the value %g at pixel %zu,%zu does not fit half",
-                            path, (double)image->data[k], pixel % image->width,
-                            pixel / image->width);
-        }
-    }
-    return NCR_OK;
-}
-
-static ncr_status write_stream(const ncr_ctx *ctx, const char *path, int fd, const ncr_image *image,
-                               const ncr_image_write_opts *opts)
-{
-    ncr_exr_stream s;
-    ncr_status status = ncr_exr_stream_write(ctx, path, fd, &s);
-    if (status == NCR_OK)
-        status = write_header(&s, image, opts);
-    if (status == NCR_OK)
-        status = write_scanlines(&s, image);
-    return ncr_exr_stream_close(&s, status);
-}
-
-ncr_status ncr_exr_write(const ncr_ctx *ctx, const char *path, const ncr_image *image,
-                         const ncr_image_write_opts *opts)
-{
-    if (image->channels > max_channels)
-        return ncr_fail(ctx, NCR_E_ARG, "%s: OpenEXR is written with 1 to %d channels, not %u",
-                        path, max_channels, image->channels);
-    ncr_status status = opts->half ? check_half(ctx, path, image) : NCR_OK;
-    if (status != NCR_OK)
-        return status;
-    ncr_atomic_file file;
-    status = ncr_atomic_file_open(ctx, path, &file);
-    if (status == NCR_OK)
-        status = ncr_atomic_file_close(ctx, &file,
-                                       write_stream(ctx, path, fileno(file.stream), image, opts));
-    return status;
+        status = read_image(&e);
+    ncr_image_dispose(ctx, &e.strip);
+    return ncr_exr_stream_close(&e.stream, status);
 }

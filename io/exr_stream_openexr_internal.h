@@ -21,6 +21,14 @@ typedef struct ncr_exr_stream {
     int os_error;         /* errno of a read or write that the system refused */
 } ncr_exr_stream;
 
+enum { NCR_EXR_CHANNELS = 8 };
+
+/** How images of 1 to 4 channels are called, and then by number: [channels - 1]. */
+extern const char *const ncr_exr_names[NCR_EXR_CHANNELS][NCR_EXR_CHANNELS];
+
+/** Which of `count` names is the wanted one, or -1. */
+int ncr_exr_name_index(const char *const *name, uint32_t count, const char *wanted);
+
 /** Open for reading; sentences call the file `path`. Closed by ncr_exr_stream_close, which may be
  *  called after a failure here too. */
 ncr_status ncr_exr_stream_read(const ncr_ctx *ctx, const char *path, ncr_exr_stream *s);

@@ -7,42 +7,70 @@
 #include "io/atomic_file_internal.h"
 #include "io/image_format_internal.h"
 
+#include <errno.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/stat.h>
 
 /* ---- Header ---- */
+
+enum { buffer_size = 1 << 18 };
 
 typedef struct hdr_reader {
     const ncr_ctx *ctx;
     const char *path;
-    const uint8_t *data, *at, *end;
+    FILE *stream;
+    uint64_t size, before; /* of the file; bytes of it before the buffer */
+    uint8_t *buffer;
+    const uint8_t *at, *end;
     double scale[3]; /* what file values are multiplied by: 1 / (EXPOSURE COLORCORR) */
     /* Scanlines run along the second axis of the resolution line, each of `length` pixels. */
     uint32_t lines, length;
     bool major_is_y, major_reversed, minor_reversed;
 } hdr_reader;
 
-static ncr_status bad(const hdr_reader *r, const char *what)
+static uint64_t place(const hdr_reader *r)
 {
-    return ncr_fail(r->ctx, NCR_E_FORMAT, "%s: at byte %zu: %s", r->path, (size_t)(r->at - r->data),
-                    what);
+    return r->before + (uint64_t)(r->at - r->buffer);
 }
 
-/* The text up to the next newline, ended by a 0; false at the end of the file. */
-static bool next_line(hdr_reader *r, char line[256])
+static ncr_status bad(const hdr_reader *r, const char *what)
+{
+    if (ferror(r->stream))
+        return ncr_fail(r->ctx, NCR_E_IO, "%s: cannot be read to its end", r->path);
+    return ncr_fail(r->ctx, NCR_E_FORMAT, "%s: at byte %llu: %s", r->path,
+                    (unsigned long long)place(r), what);
+}
+
+/* Whether `count` more bytes, a few hundred at most, are there; they are at r->at then. */
+static bool have(hdr_reader *r, size_t count)
 {
     const size_t left = (size_t)(r->end - r->at);
-    const uint8_t *stop = memchr(r->at, '\n', left);
-    if (!stop)
-        return false;
-    size_t n = (size_t)(stop - r->at);
-    n = n < 255 ? n : 255;
-    memcpy(line, r->at, n);
+    if (left >= count)
+        return true;
+    r->before = place(r);
+    memmove(r->buffer, r->at, left);
+    r->at = r->buffer;
+    r->end = r->buffer + left + fread(r->buffer + left, 1, buffer_size - left, r->stream);
+    return (size_t)(r->end - r->at) >= count;
+}
+
+/* The text up to the next newline, cut to fit and ended by a 0; false at the end of the file. */
+static bool next_line(hdr_reader *r, char line[256])
+{
+    size_t n = 0;
+    while (have(r, 1) && *r->at != '\n') {
+        if (n < 255)
+            line[n++] = (char)*r->at;
+        r->at++;
+    }
     line[n] = 0;
     if (n && line[n - 1] == '\r')
         line[n - 1] = 0;
-    r->at = stop + 1;
+    if (r->at == r->end)
+        return false;
+    r->at++;
     return true;
 }
 
@@ -127,14 +155,14 @@ static ncr_status read_new_runs(hdr_reader *r, uint8_t (*line)[4])
 {
     for (int c = 0; c < 4; c++) {
         for (uint32_t x = 0; x < r->length;) {
-            if (r->end - r->at < 2)
+            if (!have(r, 2))
                 return bad(r, "the file ends within a scanline");
             const bool repeat = *r->at > 128;
             const uint32_t count = repeat ? *r->at - 128u : *r->at;
             if (count == 0 || count > r->length - x)
                 return bad(r, "a run passes the end of its scanline");
             r->at++;
-            if ((size_t)(r->end - r->at) < (repeat ? 1 : count))
+            if (!have(r, repeat ? 1 : count))
                 return bad(r, "the file ends within a scanline");
             for (uint32_t k = 0; k < count; k++)
                 line[x++][c] = repeat ? *r->at : r->at[k];
@@ -150,7 +178,7 @@ static ncr_status read_old_runs(hdr_reader *r, uint8_t (*line)[4])
 {
     unsigned shift = 0;
     for (uint32_t x = 0; x < r->length;) {
-        if (r->end - r->at < 4)
+        if (!have(r, 4))
             return bad(r, "the file ends within a scanline");
         const uint8_t *p = r->at;
         if (p[0] != 1 || p[1] != 1 || p[2] != 1) {
@@ -173,9 +201,9 @@ static ncr_status read_old_runs(hdr_reader *r, uint8_t (*line)[4])
 
 static ncr_status read_scanline(hdr_reader *r, uint8_t (*line)[4])
 {
-    const uint8_t *p = r->at;
-    if (r->end - p < 4)
+    if (!have(r, 4))
         return bad(r, "the file ends between scanlines");
+    const uint8_t *p = r->at;
     const bool is_new =
         r->length >= 8 && r->length <= 32767 && p[0] == 2 && p[1] == 2 && p[2] < 128;
     if (!is_new)
@@ -193,72 +221,94 @@ static void decode_pixel(const hdr_reader *r, const uint8_t rgbe[4], float out[3
         out[c] = rgbe[3] ? (float)(r->scale[c] * ldexp(rgbe[c], rgbe[3] - 136)) : 0.0f;
 }
 
-static void store_scanline(const hdr_reader *r, uint32_t major, const uint8_t (*line)[4],
-                           const ncr_image *out)
+/* Pixels go right, or where scanlines stand upright, down: `stride` floats apart. */
+static void decode_scanline(const hdr_reader *r, const uint8_t (*line)[4], float *out,
+                            size_t stride)
 {
-    const uint32_t a = r->major_reversed ? r->lines - 1 - major : major;
-    for (uint32_t k = 0; k < r->length; k++) {
-        const uint32_t b = r->minor_reversed ? r->length - 1 - k : k;
-        decode_pixel(r, line[k], r->major_is_y ? ncr_image_at(out, b, a) : ncr_image_at(out, a, b));
-    }
+    for (uint32_t k = 0; k < r->length; k++)
+        decode_pixel(r, line[k], out + (r->minor_reversed ? r->length - 1 - k : k) * stride);
 }
 
-static ncr_status read_pixels(hdr_reader *r, ncr_image *out)
+static ncr_status give_rows(hdr_reader *r, uint8_t (*line)[4], const ncr_row_sink *sink)
 {
-    uint8_t(*line)[4] = ncr_alloc(r->ctx, 4 * (size_t)r->length);
-    if (!line)
-        return NCR_E_NOMEM;
-    ncr_status status = NCR_OK;
+    float *row = ncr_alloc(r->ctx, 3 * (size_t)r->length * sizeof *row);
+    ncr_status status = row ? sink->begin(sink->user, r->length, r->lines, 3) : NCR_E_NOMEM;
     for (uint32_t k = 0; k < r->lines && status == NCR_OK; k++) {
         status = read_scanline(r, line);
-        if (status == NCR_OK)
-            store_scanline(r, k, (const uint8_t(*)[4])line, out);
+        if (status != NCR_OK)
+            break;
+        decode_scanline(r, (const uint8_t(*)[4])line, row, 3);
+        status = sink->rows(sink->user, r->major_reversed ? r->lines - 1 - k : k, 1, row);
     }
-    ncr_free(r->ctx, line);
+    ncr_free(r->ctx, row);
     return status;
 }
 
-static ncr_status read_bytes(hdr_reader *r, ncr_image *out)
+/* Upright scanlines are the image's columns: no row is there before the last of them. */
+static ncr_status give_columns(hdr_reader *r, uint8_t (*line)[4], const ncr_row_sink *sink)
 {
-    char line[256];
-    if (!next_line(r, line))
+    ncr_image image;
+    ncr_status status = ncr_image_init(r->ctx, r->lines, r->length, 3, &image);
+    for (uint32_t k = 0; k < r->lines && status == NCR_OK; k++) {
+        const uint32_t x = r->major_reversed ? r->lines - 1 - k : k;
+        status = read_scanline(r, line);
+        if (status == NCR_OK)
+            decode_scanline(r, (const uint8_t(*)[4])line, ncr_image_at(&image, x, 0),
+                            3 * (size_t)r->lines);
+    }
+    if (status == NCR_OK)
+        status = ncr_image_give(sink, &image);
+    ncr_image_dispose(r->ctx, &image);
+    return status;
+}
+
+static ncr_status read_bytes(hdr_reader *r, const ncr_row_sink *sink)
+{
+    char first[256];
+    if (!next_line(r, first))
         return bad(r, "the first line does not end");
     ncr_status status = read_variables(r);
     if (status == NCR_OK)
         status = read_resolution(r);
     if (status != NCR_OK)
         return status;
-    if ((size_t)(r->end - r->at) / 4 < r->lines)
+    if ((r->size - place(r)) / 4 < r->lines)
         return bad(r, "the file is too short for its resolution");
-    const uint32_t width = r->major_is_y ? r->length : r->lines;
-    const uint32_t height = r->major_is_y ? r->lines : r->length;
-    status = ncr_image_init(r->ctx, width, height, 3, out);
-    if (status == NCR_OK)
-        status = read_pixels(r, out);
-    if (status != NCR_OK)
-        ncr_image_dispose(r->ctx, out);
+    uint8_t(*line)[4] = ncr_alloc(r->ctx, 4 * (size_t)r->length);
+    if (!line)
+        return NCR_E_NOMEM;
+    status = r->major_is_y ? give_rows(r, line, sink) : give_columns(r, line, sink);
+    ncr_free(r->ctx, line);
     return status;
 }
 
-ncr_status ncr_hdr_read(const ncr_ctx *ctx, const char *path, ncr_image *out)
+static ncr_status read_stream(hdr_reader *r, const ncr_row_sink *sink)
 {
-    uint8_t *data;
-    size_t size;
+    struct stat info;
+    if (fstat(fileno(r->stream), &info) != 0)
+        return ncr_fail(r->ctx, NCR_E_IO, "%s: cannot be read: %s", r->path, strerror(errno));
+    if (!S_ISREG(info.st_mode))
+        return ncr_fail(r->ctx, NCR_E_IO, "%s: is not a regular file", r->path);
+    r->size = (uint64_t)info.st_size;
+    r->buffer = ncr_alloc(r->ctx, buffer_size);
+    r->at = r->end = r->buffer;
+    const ncr_status status = r->buffer ? read_bytes(r, sink) : NCR_E_NOMEM;
+    ncr_free(r->ctx, r->buffer);
+    return status;
+}
+
+ncr_status ncr_hdr_read(const ncr_ctx *ctx, const char *path, const ncr_row_sink *sink)
+{
+    hdr_reader r = {.ctx = ctx, .path = path, .scale = {1, 1, 1}};
     ncr_c_locale locale;
     ncr_status status = ncr_c_locale_enter(ctx, &locale);
     if (status != NCR_OK)
         return status;
-    status = ncr_file_read(ctx, path, (size_t)NCR_IMAGE_FILE_MAX_PIXELS * 5, &data, &size);
-    if (status == NCR_OK) {
-        hdr_reader r = {.ctx = ctx,
-                        .path = path,
-                        .data = data,
-                        .at = data,
-                        .end = data + size,
-                        .scale = {1, 1, 1}};
-        status = read_bytes(&r, out);
-    }
-    ncr_free(ctx, data);
+    r.stream = fopen(path, "rb");
+    status = r.stream ? read_stream(&r, sink)
+                      : ncr_fail(ctx, NCR_E_IO, "%s: cannot be opened: %s", path, strerror(errno));
+    if (r.stream)
+        fclose(r.stream);
     ncr_c_locale_leave(&locale);
     return status;
 }
@@ -338,7 +388,7 @@ static void write_scanline(FILE *out, uint32_t length, const uint8_t (*line)[4])
         write_component(out, length, line, c);
 }
 
-static void write_header(FILE *out, const ncr_image *image, const char *comment)
+static void write_header(FILE *out, const ncr_row_source *rows, const char *comment)
 {
     fputs("#?RADIANCE\n", out);
     if (comment && *comment) {
@@ -350,34 +400,43 @@ static void write_header(FILE *out, const ncr_image *image, const char *comment)
         }
         fputc('\n', out);
     }
-    fprintf(out, "FORMAT=32-bit_rle_rgbe\n\n-Y %u +X %u\n", image->height, image->width);
+    fprintf(out, "FORMAT=32-bit_rle_rgbe\n\n-Y %u +X %u\n", rows->height, rows->width);
 }
 
-static void write_image(FILE *out, const ncr_image *image, uint8_t (*line)[4])
+static ncr_status write_rows(FILE *out, const ncr_row_source *rows, uint32_t strip, float *texels,
+                             uint8_t (*line)[4])
 {
-    for (uint32_t y = 0; y < image->height; y++) {
-        for (uint32_t x = 0; x < image->width; x++)
-            encode_pixel(ncr_image_at(image, x, y), line[x]);
-        write_scanline(out, image->width, (const uint8_t(*)[4])line);
+    ncr_status status = NCR_OK;
+    for (uint32_t y = 0; y < rows->height && status == NCR_OK; y += strip) {
+        const uint32_t count = rows->height - y < strip ? rows->height - y : strip;
+        const float *in = texels;
+        status = rows->rows(rows->user, y, count, texels);
+        for (uint32_t k = 0; k < count && status == NCR_OK; k++) {
+            for (uint32_t x = 0; x < rows->width; x++, in += 3)
+                encode_pixel(in, line[x]);
+            write_scanline(out, rows->width, (const uint8_t(*)[4])line);
+        }
     }
+    return status;
 }
 
-ncr_status ncr_hdr_write(const ncr_ctx *ctx, const char *path, const ncr_image *image,
+ncr_status ncr_hdr_write(const ncr_ctx *ctx, const char *path, const ncr_row_source *rows,
                          const ncr_image_write_opts *opts)
 {
-    if (image->channels != 3)
+    const uint32_t strip = ncr_row_strip(rows);
+    if (rows->channels != 3)
         return ncr_fail(ctx, NCR_E_ARG, "%s: Radiance HDR takes 3 channels, not %u", path,
-                        image->channels);
-    uint8_t(*line)[4] = ncr_alloc(ctx, 4 * (size_t)image->width);
-    if (!line)
-        return NCR_E_NOMEM;
-    ncr_atomic_file file;
-    ncr_status status = ncr_atomic_file_open(ctx, path, &file);
+                        rows->channels);
+    uint8_t(*line)[4] = ncr_alloc(ctx, 4 * (size_t)rows->width);
+    float *texels = ncr_alloc(ctx, 3 * (size_t)strip * rows->width * sizeof *texels);
+    ncr_atomic_file file = {0};
+    ncr_status status = line && texels ? ncr_atomic_file_open(ctx, path, &file) : NCR_E_NOMEM;
     if (status == NCR_OK) {
-        write_header(file.stream, image, opts->comment);
-        write_image(file.stream, image, line);
-        status = ncr_atomic_file_commit(ctx, &file);
+        write_header(file.stream, rows, opts->comment);
+        status = write_rows(file.stream, rows, strip, texels, line);
+        status = ncr_atomic_file_close(ctx, &file, status);
     }
     ncr_free(ctx, line);
+    ncr_free(ctx, texels);
     return status;
 }

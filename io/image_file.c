@@ -9,9 +9,9 @@
 #include <string.h>
 #include <strings.h>
 
-typedef ncr_status write_fn(const ncr_ctx *ctx, const char *path, const ncr_image *image,
+typedef ncr_status write_fn(const ncr_ctx *ctx, const char *path, const ncr_row_source *rows,
                             const ncr_image_write_opts *opts);
-typedef ncr_status read_fn(const ncr_ctx *ctx, const char *path, ncr_image *out);
+typedef ncr_status read_fn(const ncr_ctx *ctx, const char *path, const ncr_row_sink *sink);
 
 typedef struct format {
     const char *extension;
@@ -52,8 +52,17 @@ static const format *format_of_extension(const char *path)
     return NULL;
 }
 
-ncr_status ncr_image_write(const ncr_ctx *ctx, const char *path, const ncr_image *image,
-                           const ncr_image_write_opts *opts)
+/* ---- Writing ---- */
+
+uint32_t ncr_row_strip(const ncr_row_source *rows)
+{
+    const size_t row = (size_t)rows->width * rows->channels * sizeof(float);
+    const size_t whole = ((size_t)rows->height + 15) / 16 * 16, some = ((8 << 20) / row) & ~15u;
+    return (uint32_t)(some < 16 ? 16 : some < whole ? some : whole);
+}
+
+ncr_status ncr_image_write_rows(const ncr_ctx *ctx, const char *path, const ncr_row_source *rows,
+                                const ncr_image_write_opts *opts)
 {
     const ncr_image_write_opts defaults = {.struct_size = sizeof defaults};
     if (opts && opts->struct_size != sizeof *opts)
@@ -62,10 +71,19 @@ ncr_status ncr_image_write(const ncr_ctx *ctx, const char *path, const ncr_image
     if (!f)
         return ncr_fail(ctx, NCR_E_ARG, "%s: the extension must be .exr, .hdr, .png or .ktx2",
                         path);
-    if (!image->data || !image->width || !image->height || !image->channels)
+    if (!rows->width || !rows->height || !rows->channels)
         return ncr_fail(ctx, NCR_E_ARG, "%s: there is no image to write", path);
-    return f->write(ctx, path, image, opts ? opts : &defaults);
+    return f->write(ctx, path, rows, opts ? opts : &defaults);
 }
+
+ncr_status ncr_image_write(const ncr_ctx *ctx, const char *path, const ncr_image *image,
+                           const ncr_image_write_opts *opts)
+{
+    const ncr_row_source rows = image->data ? ncr_image_rows(image) : (ncr_row_source){0};
+    return ncr_image_write_rows(ctx, path, &rows, opts);
+}
+
+/* ---- Reading ---- */
 
 static ncr_status read_magic(const ncr_ctx *ctx, const char *path, uint8_t magic[8], size_t *size)
 {
@@ -92,30 +110,113 @@ uint64_t ncr_image_zero_nonfinite(const ncr_image *image)
     return found;
 }
 
-ncr_status ncr_image_read(const ncr_ctx *ctx, const char *path, ncr_image *out, uint64_t *nonfinite)
+/* What a format reads on its way to the sink: made finite. */
+typedef struct cleaning {
+    const ncr_row_sink *sink;
+    uint32_t width, channels;
+    uint64_t nonfinite;
+    ncr_status answer; /* of the sink, when it did not want to go on */
+} cleaning;
+
+static ncr_status begin_clean(void *user, uint32_t width, uint32_t height, uint32_t channels)
 {
-    *out = (ncr_image){0};
-    if (nonfinite)
-        *nonfinite = 0;
+    cleaning *job = user;
+    job->width = width;
+    job->channels = channels;
+    return job->answer = job->sink->begin(job->sink->user, width, height, channels);
+}
+
+static ncr_status clean_rows(void *user, uint32_t y, uint32_t count, float *rows)
+{
+    cleaning *job = user;
+    const ncr_image image = {job->width, count, job->channels, rows};
+    job->nonfinite += ncr_image_zero_nonfinite(&image);
+    return job->answer = job->sink->rows(job->sink->user, y, count, rows);
+}
+
+static ncr_status find_format(const ncr_ctx *ctx, const char *path, const format **out)
+{
     uint8_t magic[8] = {0};
     size_t size = 0;
-    ncr_status status = read_magic(ctx, path, magic, &size);
-    if (status != NCR_OK)
-        return status;
-    const format *f = NULL;
-    for (int k = 0; k < format_count; k++) {
+    const ncr_status status = read_magic(ctx, path, magic, &size);
+    *out = NULL;
+    for (int k = 0; status == NCR_OK && k < format_count; k++) {
         if (size >= formats[k].magic_size &&
             !memcmp(magic, formats[k].magic, formats[k].magic_size))
-            f = &formats[k];
+            *out = &formats[k];
     }
-    if (!f)
+    if (status == NCR_OK && !*out)
         return ncr_fail(ctx, NCR_E_FORMAT, "%s: %s", path,
                         size ? "is neither OpenEXR, Radiance HDR, PNG nor KTX 2" : "is empty");
-    status = f->read(ctx, path, out);
-    if (status == NCR_OK) {
-        const uint64_t found = ncr_image_zero_nonfinite(out);
-        if (nonfinite)
-            *nonfinite = found;
-    }
+    return status;
+}
+
+ncr_status ncr_image_read_rows(const ncr_ctx *ctx, const char *path, const ncr_row_sink *sink,
+                               uint64_t *nonfinite)
+{
+    const format *f;
+    cleaning job = {.sink = sink};
+    const ncr_row_sink clean = {.user = &job, .begin = begin_clean, .rows = clean_rows};
+    ncr_status status = find_format(ctx, path, &f);
+    if (status == NCR_OK)
+        status = f->read(ctx, path, &clean);
+    if (nonfinite)
+        *nonfinite = job.nonfinite;
+    return status == NCR_E_CANCELLED && job.answer == NCR_E_CANCELLED ? NCR_OK : status;
+}
+
+ncr_status ncr_image_give(const ncr_row_sink *sink, const ncr_image *image)
+{
+    const ncr_status status = sink->begin(sink->user, image->width, image->height, image->channels);
+    return status == NCR_OK ? sink->rows(sink->user, 0, image->height, image->data) : status;
+}
+
+typedef struct whole {
+    const ncr_ctx *ctx;
+    ncr_image *out;
+} whole;
+
+static ncr_status begin_whole(void *user, uint32_t width, uint32_t height, uint32_t channels)
+{
+    const whole *w = user;
+    return ncr_image_init(w->ctx, width, height, channels, w->out);
+}
+
+static ncr_status keep_rows(void *user, uint32_t y, uint32_t count, float *rows)
+{
+    const whole *w = user;
+    memcpy(ncr_image_at(w->out, 0, y), rows,
+           (size_t)count * w->out->width * w->out->channels * sizeof *rows);
+    return NCR_OK;
+}
+
+ncr_status ncr_image_read(const ncr_ctx *ctx, const char *path, ncr_image *out, uint64_t *nonfinite)
+{
+    whole w = {ctx, out};
+    const ncr_row_sink sink = {.user = &w, .begin = begin_whole, .rows = keep_rows};
+    *out = (ncr_image){0};
+    const ncr_status status = ncr_image_read_rows(ctx, path, &sink, nonfinite);
+    if (status != NCR_OK)
+        ncr_image_dispose(ctx, out);
+    return status;
+}
+
+static ncr_status keep_size(void *user, uint32_t width, uint32_t height, uint32_t channels)
+{
+    uint32_t *size = user;
+    (void)channels;
+    size[0] = width;
+    size[1] = height;
+    return NCR_E_CANCELLED;
+}
+
+ncr_status ncr_image_read_size(const ncr_ctx *ctx, const char *path, uint32_t *width,
+                               uint32_t *height)
+{
+    uint32_t size[2] = {0, 0};
+    const ncr_row_sink sink = {.user = size, .begin = keep_size};
+    const ncr_status status = ncr_image_read_rows(ctx, path, &sink, NULL);
+    *width = size[0];
+    *height = size[1];
     return status;
 }

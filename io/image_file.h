@@ -42,6 +42,12 @@ typedef struct ncr_image_write_opts {
 NCR_API ncr_status ncr_image_write(const ncr_ctx *ctx, const char *path, const ncr_image *image,
                                    const ncr_image_write_opts *opts);
 
+/** The same from rows as they are made: no more than some 8 MiB of them is held. A status of the
+ *  source ends it. */
+NCR_API ncr_status ncr_image_write_rows(const ncr_ctx *ctx, const char *path,
+                                        const ncr_row_source *rows,
+                                        const ncr_image_write_opts *opts);
+
 /**
  * Read an image, format known by its first bytes, not its name.
  *
@@ -60,6 +66,22 @@ NCR_API ncr_status ncr_image_write(const ncr_ctx *ctx, const char *path, const n
  */
 NCR_API ncr_status ncr_image_read(const ncr_ctx *ctx, const char *path, ncr_image *out,
                                   uint64_t *nonfinite);
+
+/**
+ * Read an image into a sink, which takes it in rows.
+ *
+ * What is held at a time: a row of HDR, PNG and KTX 2; a chunk of lines or a row of tiles of
+ * EXR. The whole of images that files hold otherwise: interlaced PNG (as its own samples), HDR
+ * whose scanlines stand upright.
+ *
+ * @return  as ncr_image_read, and what the sink returns; NCR_OK when that was NCR_E_CANCELLED
+ */
+NCR_API ncr_status ncr_image_read_rows(const ncr_ctx *ctx, const char *path,
+                                       const ncr_row_sink *sink, uint64_t *nonfinite);
+
+/** Width and height alone. As ncr_image_read. */
+NCR_API ncr_status ncr_image_read_size(const ncr_ctx *ctx, const char *path, uint32_t *width,
+                                       uint32_t *height);
 
 enum { NCR_IMAGE_COMMENT = 1024 };
 

@@ -3,6 +3,7 @@
 #ifndef NCR_IO_KTX2_INTERNAL_H
 #define NCR_IO_KTX2_INTERNAL_H
 
+#include "io/atomic_file_internal.h"
 #include "io/ktx2_file.h"
 
 enum {
@@ -13,6 +14,36 @@ enum {
 
 /** "\xabKTX 20\xbb\r\n\x1a\n" */
 extern const uint8_t ncr_ktx2_identifier[12];
+
+struct ktx2_texel;
+
+/** A texture whose rows come in any order, of any level. */
+typedef struct ncr_ktx2_stream {
+    const ncr_ctx *ctx;
+    const char *path;
+    const struct ktx2_texel *texel;
+    ncr_ktx2_format format;
+    uint32_t width, height, faces, count; /* of a face at level 0; levels */
+    bool judged;                          /* report what storing does */
+    ncr_atomic_file file;
+    uint64_t at, offset[NCR_KTX2_LEVELS]; /* in the file: now; of each level */
+    bool lost;                            /* its place in the file */
+    uint8_t *row;
+    float *rgba; /* of a row */
+    ncr_ktx2_report report;
+    double squares, values;
+} ncr_ktx2_stream;
+
+/** Begin: a file whose levels, each half the one before, are still zeros. Closed also after a
+ *  failure here. `judged`: a report is wanted. */
+ncr_status ncr_ktx2_stream_open(const ncr_ctx *ctx, const char *path, uint32_t width,
+                                uint32_t height, uint32_t count, const ncr_ktx2_opts *opts,
+                                bool judged, ncr_ktx2_stream *out);
+/** Rows [y, y + count) of a level, faces of a cube downwards: of 1, 3 or 4 channels. */
+void ncr_ktx2_stream_rows(ncr_ktx2_stream *s, uint32_t level, uint32_t y, uint32_t count,
+                          uint32_t channels, const float *rows);
+/** Complete the file when status is NCR_OK, else leave none; then status is passed on. */
+ncr_status ncr_ktx2_stream_close(ncr_ktx2_stream *s, ncr_status status, ncr_ktx2_report *report);
 
 /** Texels that are read; the first NCR_KTX2_FORMATS are written, in the order of the enum. */
 typedef struct ktx2_texel {

@@ -268,26 +268,56 @@ static void mirror_row(uint32_t width, uint32_t channels, float *row)
     }
 }
 
-static ncr_status read_level(const ktx2_reader *r, uint32_t k, uint8_t *row, ncr_image *out)
+/* Row y of a level as it is to be seen. */
+static ncr_status read_row(const ktx2_reader *r, uint32_t k, uint32_t y, uint8_t *row, float *out)
 {
     const uint32_t width = ktx2_side(r->info.width, k);
     const uint32_t height = ktx2_side(r->info.height, k) * r->info.faces;
     const size_t bytes = (size_t)width * r->texel->bytes;
-    ncr_status status = ncr_image_init(r->ctx, width, height, r->texel->channels, out);
-    for (uint32_t y = 0; y < height && status == NCR_OK; y++) {
-        float *to = ncr_image_at(out, 0, r->mirror_y ? height - 1 - y : y);
-        status = read_at(r, r->offset[k] + y * (uint64_t)bytes, row, bytes);
-        if (status == NCR_OK)
-            decode(r->texel, width, row, to);
-        if (status == NCR_OK && r->mirror_x)
-            mirror_row(width, r->texel->channels, to);
-    }
+    const uint64_t at = r->mirror_y ? height - 1 - y : y;
+    const ncr_status status = read_at(r, r->offset[k] + at * bytes, row, bytes);
+    if (status == NCR_OK)
+        decode(r->texel, width, row, out);
+    if (status == NCR_OK && r->mirror_x)
+        mirror_row(width, r->texel->channels, out);
     return status;
 }
 
-ncr_status ncr_ktx2_image_read(const ncr_ctx *ctx, const char *path, ncr_image *out)
+static ncr_status read_level(const ktx2_reader *r, uint32_t k, uint8_t *row, ncr_image *out)
 {
-    return ncr_ktx2_read(ctx, path, 1, out);
+    const uint32_t height = ktx2_side(r->info.height, k) * r->info.faces;
+    ncr_status status =
+        ncr_image_init(r->ctx, ktx2_side(r->info.width, k), height, r->texel->channels, out);
+    for (uint32_t y = 0; y < height && status == NCR_OK; y++)
+        status = read_row(r, k, y, row, ncr_image_at(out, 0, y));
+    return status;
+}
+
+static ncr_status give_rows(const ktx2_reader *r, const ncr_row_sink *sink)
+{
+    const uint32_t width = r->info.width, height = r->info.height * r->info.faces;
+    uint8_t *row = ncr_alloc(r->ctx, (size_t)width * r->texel->bytes);
+    float *texels = ncr_alloc(r->ctx, (size_t)width * r->texel->channels * sizeof *texels);
+    ncr_status status =
+        row && texels ? sink->begin(sink->user, width, height, r->texel->channels) : NCR_E_NOMEM;
+    for (uint32_t y = 0; y < height && status == NCR_OK; y++) {
+        status = read_row(r, 0, y, row, texels);
+        if (status == NCR_OK)
+            status = sink->rows(sink->user, y, 1, texels);
+    }
+    ncr_free(r->ctx, row);
+    ncr_free(r->ctx, texels);
+    return status;
+}
+
+ncr_status ncr_ktx2_image_read(const ncr_ctx *ctx, const char *path, const ncr_row_sink *sink)
+{
+    ktx2_reader r = {.ctx = ctx, .path = path};
+    ncr_status status = open_file(&r);
+    if (status == NCR_OK)
+        status = give_rows(&r, sink);
+    close_file(&r);
+    return status;
 }
 
 ncr_status ncr_ktx2_read(const ncr_ctx *ctx, const char *path, uint32_t count, ncr_image *levels)

@@ -5,38 +5,28 @@
  */
 #include "core/half.h"
 #include "core/rgb9e5.h"
-#include "io/atomic_file_internal.h"
 #include "io/image_format_internal.h"
 #include "io/ktx2_internal.h"
 
 #include <math.h>
 #include <string.h>
 
-typedef struct ktx2_writer {
-    const ncr_ctx *ctx;
-    const char *path;
-    const ncr_image *levels;
-    uint32_t count, faces;
-    const ktx2_texel *texel;
-    FILE *out;
-    uint64_t at; /* bytes written */
-    uint8_t *row;
-    float *rgba; /* of a row */
-    ncr_ktx2_report report;
-    double squares, values;
-} ktx2_writer;
+static ncr_status refuse_channels(const ncr_ctx *ctx, const char *path, uint32_t channels)
+{
+    return ncr_fail(ctx, NCR_E_ARG, "%s: KTX2 takes 1, 3 or 4 channels, not %u", path, channels);
+}
 
 /* ---- Everything before the texels ---- */
 
 enum { head_most = ktx2_header_size + NCR_KTX2_LEVELS * ktx2_level_size + ktx2_dfd_most + 256 };
 
-static void put(ktx2_writer *w, const void *data, size_t size)
+static void put(ncr_ktx2_stream *w, const void *data, size_t size)
 {
-    fwrite(data, 1, size, w->out);
+    fwrite(data, 1, size, w->file.stream);
     w->at += size;
 }
 
-static void pad(ktx2_writer *w, uint32_t alignment)
+static void pad(ncr_ktx2_stream *w, uint32_t alignment)
 {
     static const uint8_t zeros[16];
     put(w, zeros, (size_t)((alignment - w->at % alignment) % alignment));
@@ -48,7 +38,7 @@ static size_t pair_size(const char *key, const char *value)
     return 4 + ((strlen(key) + strlen(value) + 2 + 3) & ~(size_t)3);
 }
 
-static void put_pair(ktx2_writer *w, const char *key, const char *value)
+static void put_pair(ncr_ktx2_stream *w, const char *key, const char *value)
 {
     uint8_t length[4];
     ktx2_put32(length, (uint32_t)(strlen(key) + strlen(value) + 2));
@@ -71,17 +61,18 @@ static void note(ktx2_notes *n, const char *key, const char *value)
     n->size += pair_size(key, value);
 }
 
-static uint64_t level_bytes(const ktx2_writer *w, uint32_t k)
+static uint64_t level_bytes(const ncr_ktx2_stream *w, uint32_t k)
 {
-    return (uint64_t)w->levels[k].width * w->levels[k].height * w->texel->bytes;
+    return (uint64_t)ktx2_side(w->width, k) * ktx2_side(w->height, k) * w->faces * w->texel->bytes;
 }
 
 /* The smallest level comes first in the file, the largest first in the index. */
-static void put_level_index(const ktx2_writer *w, uint64_t begin, uint8_t *at)
+static void put_level_index(ncr_ktx2_stream *w, uint64_t begin, uint8_t *at)
 {
     const uint32_t align = ncr_ktx2_alignment(w->texel);
     for (uint32_t k = w->count; k-- > 0;) {
         begin = (begin + align - 1) / align * align;
+        w->offset[k] = begin;
         ktx2_put64(at + ktx2_level_size * k, begin);
         ktx2_put64(at + ktx2_level_size * k + 8, level_bytes(w, k));
         ktx2_put64(at + ktx2_level_size * k + 16, level_bytes(w, k));
@@ -89,15 +80,15 @@ static void put_level_index(const ktx2_writer *w, uint64_t begin, uint8_t *at)
     }
 }
 
-static void put_head(ktx2_writer *w, const ktx2_notes *notes)
+static void put_head(ncr_ktx2_stream *w, const ktx2_notes *notes)
 {
     uint8_t head[head_most] = {0};
     const uint32_t index = ktx2_header_size + ktx2_level_size * w->count;
     const uint32_t dfd = ncr_ktx2_describe(w->texel, head + index);
     const uint32_t fields[] = {w->texel->vk_format,
                                w->texel->type_size,
-                               w->levels[0].width,
-                               w->levels[0].height / w->faces,
+                               w->width,
+                               w->height,
                                0, /* depth */
                                0, /* layers: no array */
                                w->faces,
@@ -119,11 +110,9 @@ static void put_head(ktx2_writer *w, const ktx2_notes *notes)
 /* ---- Texels ---- */
 
 /* Gray is repeated and missing alpha is 1. */
-static void widen(const ncr_image *image, uint32_t y, float *rgba)
+static void widen(uint32_t width, uint32_t c, const float *p, float *rgba)
 {
-    const uint32_t c = image->channels;
-    const float *p = ncr_image_at(image, 0, y);
-    for (uint32_t x = 0; x < image->width; x++, p += c, rgba += 4) {
+    for (uint32_t x = 0; x < width; x++, p += c, rgba += 4) {
         for (uint32_t k = 0; k < 3; k++)
             rgba[k] = p[c < 3 ? 0 : k];
         rgba[3] = c == 4 ? p[3] : 1;
@@ -172,7 +161,7 @@ static void stored_as(ncr_ktx2_format format, const float in[3], float out[3])
 
 /* Values within the format's range count towards the errors, others as clamped. A half's range
  * ends where rounding would pass its largest value. */
-static void judge(ktx2_writer *w, ncr_ktx2_format format, const float in[3])
+static void judge(ncr_ktx2_stream *w, ncr_ktx2_format format, const float in[3])
 {
     const bool shared = format == NCR_KTX2_RGB9E5;
     const float low = shared ? 0 : -65520, high = shared ? NCR_RGB9E5_MAX : 65520;
@@ -191,51 +180,36 @@ static void judge(ktx2_writer *w, ncr_ktx2_format format, const float in[3])
     }
 }
 
-static void put_level(ktx2_writer *w, ncr_ktx2_format format, const ncr_image *image, bool judged)
+static void put_row(ncr_ktx2_stream *w, uint32_t width)
 {
-    for (uint32_t y = 0; y < image->height; y++) {
-        widen(image, y, w->rgba);
-        if (format == NCR_KTX2_RGB9E5)
-            encode_shared(image->width, w->rgba, w->row);
-        else if (format == NCR_KTX2_HALF)
-            encode_halves(image->width, w->rgba, w->row);
-        else
-            encode_floats(image->width, w->rgba, w->row);
-        for (uint32_t x = 0; judged && x < image->width; x++)
-            judge(w, format, w->rgba + 4 * (size_t)x);
-        put(w, w->row, (size_t)image->width * w->texel->bytes);
+    if (w->format == NCR_KTX2_RGB9E5)
+        encode_shared(width, w->rgba, w->row);
+    else if (w->format == NCR_KTX2_HALF)
+        encode_halves(width, w->rgba, w->row);
+    else
+        encode_floats(width, w->rgba, w->row);
+    for (uint32_t x = 0; w->judged && x < width; x++)
+        judge(w, w->format, w->rgba + 4 * (size_t)x);
+    put(w, w->row, (size_t)width * w->texel->bytes);
+}
+
+void ncr_ktx2_stream_rows(ncr_ktx2_stream *w, uint32_t level, uint32_t y, uint32_t count,
+                          uint32_t channels, const float *rows)
+{
+    const uint32_t width = ktx2_side(w->width, level);
+    const uint64_t at = w->offset[level] + (uint64_t)y * width * w->texel->bytes;
+    if (at != w->at && fseeko(w->file.stream, (off_t)at, SEEK_SET) != 0)
+        w->lost = true;
+    w->at = at;
+    for (uint32_t k = 0; k < count; k++, rows += (size_t)width * channels) {
+        widen(width, channels, rows, w->rgba);
+        put_row(w, width);
     }
 }
 
 /* ---- The whole ---- */
 
-static ncr_status check(const ktx2_writer *w, const ncr_ktx2_opts *o)
-{
-    const ncr_ctx *ctx = w->ctx;
-    if (o->struct_size != sizeof *o)
-        return ncr_fail(ctx, NCR_E_ARG, "ncr_ktx2_write: the options have no struct_size");
-    if ((uint32_t)o->format >= NCR_KTX2_FORMATS || w->count < 1 || w->count > NCR_KTX2_LEVELS ||
-        !w->levels[0].data)
-        return ncr_fail(ctx, NCR_E_ARG, "%s: there is no image to write", w->path);
-    const uint32_t width = w->levels[0].width, height = w->levels[0].height / w->faces;
-    if (w->faces == 6 && (width != height || w->levels[0].height != 6 * width))
-        return ncr_fail(ctx, NCR_E_ARG, "%s: %u x %u is not six square faces", w->path, width,
-                        w->levels[0].height);
-    for (uint32_t k = 0; k < w->count; k++) {
-        const ncr_image *i = &w->levels[k];
-        const bool spent = k > 0 && width >> k == 0 && height >> k == 0;
-        if (spent || i->width != ktx2_side(width, k) ||
-            i->height != w->faces * ktx2_side(height, k))
-            return ncr_fail(ctx, NCR_E_ARG, "%s: level %u is %u x %u, not half the one before",
-                            w->path, k, i->width, i->height);
-        if (i->channels != 1 && i->channels != 3 && i->channels != 4)
-            return ncr_fail(ctx, NCR_E_ARG, "%s: KTX2 takes 1, 3 or 4 channels, not %u", w->path,
-                            i->channels);
-    }
-    return NCR_OK;
-}
-
-static void put_file(ktx2_writer *w, const ncr_ktx2_opts *o, bool judged)
+static void put_notes(ncr_ktx2_stream *w, const char *comment)
 {
     char writer[64];
     snprintf(writer, sizeof writer, "nacre %d.%d.%d", NCR_VERSION_MAJOR, NCR_VERSION_MINOR,
@@ -243,22 +217,102 @@ static void put_file(ktx2_writer *w, const ncr_ktx2_opts *o, bool judged)
     ktx2_notes notes = {0};
     note(&notes, "KTXorientation", "rd");
     note(&notes, "KTXwriter", writer);
-    if (o->comment && *o->comment)
-        note(&notes, "comment", o->comment);
+    if (comment && *comment)
+        note(&notes, "comment", comment);
     put_head(w, &notes);
-    for (uint32_t k = w->count; k-- > 0;) {
-        pad(w, ncr_ktx2_alignment(w->texel));
-        put_level(w, o->format, &w->levels[k], judged && o->format != NCR_KTX2_FLOAT);
-    }
 }
 
-ncr_status ncr_ktx2_image_write(const ncr_ctx *ctx, const char *path, const ncr_image *image,
+ncr_status ncr_ktx2_stream_open(const ncr_ctx *ctx, const char *path, uint32_t width,
+                                uint32_t height, uint32_t count, const ncr_ktx2_opts *opts,
+                                bool judged, ncr_ktx2_stream *w)
+{
+    *w = (ncr_ktx2_stream){.ctx = ctx,
+                           .path = path,
+                           .texel = ncr_ktx2_texel_at(opts->format),
+                           .format = opts->format,
+                           .width = width,
+                           .height = height,
+                           .faces = opts->cube ? 6 : 1,
+                           .count = count,
+                           .judged = judged && opts->format != NCR_KTX2_FLOAT};
+    w->row = ncr_alloc(ctx, (size_t)width * w->texel->bytes);
+    w->rgba = ncr_alloc(ctx, (size_t)width * 4 * sizeof(float));
+    const ncr_status status =
+        w->row && w->rgba ? ncr_atomic_file_open(ctx, path, &w->file) : NCR_E_NOMEM;
+    if (status == NCR_OK)
+        put_notes(w, opts->comment);
+    return status;
+}
+
+ncr_status ncr_ktx2_stream_close(ncr_ktx2_stream *w, ncr_status status, ncr_ktx2_report *report)
+{
+    if (status == NCR_OK && w->lost)
+        status = ncr_fail(w->ctx, NCR_E_IO, "%s: cannot be written", w->path);
+    status = ncr_atomic_file_close(w->ctx, &w->file, status);
+    ncr_free(w->ctx, w->row);
+    ncr_free(w->ctx, w->rgba);
+    if (status == NCR_OK && report) {
+        w->report.rms = w->values > 0 ? sqrt(w->squares / w->values) : 0;
+        *report = w->report;
+    }
+    return status;
+}
+
+ncr_status ncr_ktx2_image_write(const ncr_ctx *ctx, const char *path, const ncr_row_source *rows,
                                 const ncr_image_write_opts *opts)
 {
     const ncr_ktx2_opts o = {.struct_size = sizeof o,
                              .format = opts->half ? NCR_KTX2_HALF : NCR_KTX2_FLOAT,
                              .comment = opts->comment};
-    return ncr_ktx2_write(ctx, path, image, 1, &o, NULL);
+    const uint32_t strip = ncr_row_strip(rows), channels = rows->channels;
+    ncr_ktx2_stream w;
+    if (channels != 1 && channels != 3 && channels != 4)
+        return refuse_channels(ctx, path, channels);
+    float *texels = ncr_alloc(ctx, (size_t)strip * rows->width * channels * sizeof *texels);
+    if (!texels)
+        return NCR_E_NOMEM;
+    ncr_status status =
+        ncr_ktx2_stream_open(ctx, path, rows->width, rows->height, 1, &o, false, &w);
+    for (uint32_t y = 0; y < rows->height && status == NCR_OK; y += strip) {
+        const uint32_t count = rows->height - y < strip ? rows->height - y : strip;
+        status = rows->rows(rows->user, y, count, texels);
+        if (status == NCR_OK)
+            ncr_ktx2_stream_rows(&w, 0, y, count, channels, texels);
+    }
+    ncr_free(ctx, texels);
+    return ncr_ktx2_stream_close(&w, status, NULL);
+}
+
+static ncr_status check_level(const ncr_ctx *ctx, const char *path, const ncr_image *levels,
+                              uint32_t k, uint32_t faces)
+{
+    const ncr_image *i = &levels[k];
+    const uint32_t width = levels[0].width, height = levels[0].height / faces;
+    const bool spent = k > 0 && width >> k == 0 && height >> k == 0;
+    if (spent || i->width != ktx2_side(width, k) || i->height != faces * ktx2_side(height, k))
+        return ncr_fail(ctx, NCR_E_ARG, "%s: level %u is %u x %u, not half the one before", path, k,
+                        i->width, i->height);
+    return i->channels == 1 || i->channels == 3 || i->channels == 4
+               ? NCR_OK
+               : refuse_channels(ctx, path, i->channels);
+}
+
+static ncr_status check(const ncr_ctx *ctx, const char *path, const ncr_image *levels,
+                        uint32_t count, const ncr_ktx2_opts *o)
+{
+    const uint32_t faces = o->cube ? 6 : 1;
+    ncr_status status = NCR_OK;
+    if (o->struct_size != sizeof *o)
+        return ncr_fail(ctx, NCR_E_ARG, "ncr_ktx2_write: the options have no struct_size");
+    if ((uint32_t)o->format >= NCR_KTX2_FORMATS || count < 1 || count > NCR_KTX2_LEVELS ||
+        !levels[0].data)
+        return ncr_fail(ctx, NCR_E_ARG, "%s: there is no image to write", path);
+    if (faces == 6 && levels[0].height != 6 * levels[0].width)
+        return ncr_fail(ctx, NCR_E_ARG, "%s: %u x %u is not six square faces", path,
+                        levels[0].width, levels[0].height);
+    for (uint32_t k = 0; k < count && status == NCR_OK; k++)
+        status = check_level(ctx, path, levels, k, faces);
+    return status;
 }
 
 ncr_status ncr_ktx2_write(const ncr_ctx *ctx, const char *path, const ncr_image *levels,
@@ -266,26 +320,13 @@ ncr_status ncr_ktx2_write(const ncr_ctx *ctx, const char *path, const ncr_image 
 {
     const ncr_ktx2_opts defaults = {.struct_size = sizeof defaults};
     const ncr_ktx2_opts *o = opts ? opts : &defaults;
-    ktx2_writer w = {
-        .ctx = ctx, .path = path, .levels = levels, .count = count, .faces = o->cube ? 6 : 1};
-    ncr_status status = check(&w, o);
+    ncr_ktx2_stream w;
+    ncr_status status = check(ctx, path, levels, count, o);
     if (status != NCR_OK)
         return status;
-    ncr_atomic_file file = {0};
-    w.texel = ncr_ktx2_texel_at(o->format);
-    w.row = ncr_alloc(ctx, (size_t)levels[0].width * w.texel->bytes);
-    w.rgba = ncr_alloc(ctx, (size_t)levels[0].width * 4 * sizeof(float));
-    status = w.row && w.rgba ? ncr_atomic_file_open(ctx, path, &file) : NCR_E_NOMEM;
-    if (status == NCR_OK) {
-        w.out = file.stream;
-        put_file(&w, o, report != NULL);
-        status = ncr_atomic_file_commit(ctx, &file);
-    }
-    ncr_free(ctx, w.row);
-    ncr_free(ctx, w.rgba);
-    if (status == NCR_OK && report) {
-        w.report.rms = w.values > 0 ? sqrt(w.squares / w.values) : 0;
-        *report = w.report;
-    }
-    return status;
+    status = ncr_ktx2_stream_open(ctx, path, levels[0].width, levels[0].height / (o->cube ? 6 : 1),
+                                  count, o, report != NULL, &w);
+    for (uint32_t k = count; k-- > 0 && status == NCR_OK;)
+        ncr_ktx2_stream_rows(&w, k, 0, levels[k].height, levels[k].channels, levels[k].data);
+    return ncr_ktx2_stream_close(&w, status, report);
 }

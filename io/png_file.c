@@ -25,14 +25,17 @@ typedef struct png_job {
     ncr_status status; /* set by a body that fails on its own account */
     char complaint[160];
     uint32_t width, height, channels, depth;
-    png_bytep row; /* one row of file samples, or the whole image when reading */
+    png_bytep
+        row; /* one row of file samples; all of an interlaced image, whose rows come in passes */
 
-    const ncr_image *image; /* writing 8 bits */
+    const ncr_row_source *source; /* writing 8 bits */
+    uint32_t strip;               /* rows asked for at a time */
     double exposure;
     const char *comment;
-    ncr_image *out;        /* reading floats */
-    const uint16_t *words; /* writing 16 bits */
-    uint16_t **words_out;  /* reading 16 bits */
+    const ncr_row_sink *sink; /* reading floats */
+    float *texels;            /* of a row, or when writing of a strip */
+    const uint16_t *words;    /* writing 16 bits */
+    uint16_t **words_out;     /* reading 16 bits */
 } png_job;
 
 /*   encode:  12.92 x  for x <= 0.0031308, else  1.055 x^(1/2.4) - 0.055                  [sRGB] */
@@ -127,9 +130,8 @@ static uint8_t byte_of(double x)
     return (uint8_t)(255 * (x > 0 ? (x < 1 ? x : 1) : 0) + 0.5); /* NaN becomes 0 */
 }
 
-static void encode_row(const png_job *job, uint32_t y)
+static void encode_row(const png_job *job, const float *in)
 {
-    const float *in = ncr_image_at(job->image, 0, y);
     for (size_t k = 0; k < (size_t)job->width * job->channels; k++) {
         const bool alpha = job->channels == 4 && k % 4 == 3;
         const double x = in[k];
@@ -143,7 +145,13 @@ static void write_bytes(png_job *job)
     png_set_sRGB(job->png, job->info, PNG_sRGB_INTENT_RELATIVE);
     png_write_info(job->png, job->info);
     for (uint32_t y = 0; y < job->height; y++) {
-        encode_row(job, y);
+        const uint32_t left = job->height - y, k = y % job->strip;
+        if (k == 0)
+            job->status = job->source->rows(job->source->user, y,
+                                            left < job->strip ? left : job->strip, job->texels);
+        if (job->status != NCR_OK)
+            return;
+        encode_row(job, job->texels + (size_t)k * job->width * job->channels);
         png_write_row(job->png, job->row);
     }
     png_write_end(job->png, job->info);
@@ -178,22 +186,27 @@ static ncr_status write_file(png_job *job, void (*body)(png_job *job))
     return ncr_atomic_file_close(job->ctx, &file, status);
 }
 
-ncr_status ncr_png_write(const ncr_ctx *ctx, const char *path, const ncr_image *image,
+ncr_status ncr_png_write(const ncr_ctx *ctx, const char *path, const ncr_row_source *rows,
                          const ncr_image_write_opts *opts)
 {
-    if (image->channels != 1 && image->channels != 3 && image->channels != 4)
+    if (rows->channels != 1 && rows->channels != 3 && rows->channels != 4)
         return ncr_fail(ctx, NCR_E_ARG, "%s: PNG takes 1, 3 or 4 channels, not %u", path,
-                        image->channels);
+                        rows->channels);
     png_job job = {.ctx = ctx,
                    .path = path,
-                   .width = image->width,
-                   .height = image->height,
-                   .channels = image->channels,
+                   .width = rows->width,
+                   .height = rows->height,
+                   .channels = rows->channels,
                    .depth = 8,
-                   .image = image,
+                   .source = rows,
+                   .strip = ncr_row_strip(rows),
                    .exposure = opts->exposure != 0 ? opts->exposure : 1,
                    .comment = opts->comment};
-    return write_file(&job, write_bytes);
+    const size_t samples = (size_t)job.strip * job.width * job.channels;
+    job.texels = ncr_alloc(ctx, samples * sizeof *job.texels);
+    const ncr_status status = job.texels ? write_file(&job, write_bytes) : NCR_E_NOMEM;
+    ncr_free(ctx, job.texels);
+    return status;
 }
 
 ncr_status ncr_png16_write(const ncr_ctx *ctx, const char *path, uint32_t width, uint32_t height,
@@ -271,6 +284,21 @@ static void read_rows(png_job *job, png_bytep rows, int passes)
     png_read_end(job->png, NULL);
 }
 
+static void give_rows(png_job *job, int passes)
+{
+    const size_t bytes = png_get_rowbytes(job->png, job->info);
+    if (passes > 1)
+        read_rows(job, job->row, passes);
+    for (uint32_t y = 0; y < job->height && job->status == NCR_OK; y++) {
+        if (passes == 1)
+            png_read_row(job->png, job->row, NULL);
+        decode_row(job, job->row + (passes > 1 ? y * bytes : 0), job->texels);
+        job->status = job->sink->rows(job->sink->user, y, 1, job->texels);
+    }
+    if (passes == 1 && job->status == NCR_OK)
+        png_read_end(job->png, NULL);
+}
+
 static void read_floats(png_job *job)
 {
     read_header(job);
@@ -279,14 +307,14 @@ static void read_floats(png_job *job)
     const int passes = png_set_interlace_handling(job->png);
     expand_to_gray_or_rgb(job);
     const size_t bytes = png_get_rowbytes(job->png, job->info);
-    job->status = ncr_image_init(job->ctx, job->width, job->height, job->channels, job->out);
-    if (job->status == NCR_OK && !(job->row = ncr_alloc(job->ctx, bytes * job->height)))
-        job->status = NCR_E_NOMEM;
+    job->status = job->sink->begin(job->sink->user, job->width, job->height, job->channels);
     if (job->status != NCR_OK)
         return;
-    read_rows(job, job->row, passes);
-    for (uint32_t y = 0; y < job->height; y++)
-        decode_row(job, job->row + y * bytes, ncr_image_at(job->out, 0, y));
+    job->row = ncr_alloc(job->ctx, passes > 1 ? bytes * job->height : bytes);
+    job->texels = ncr_alloc(job->ctx, (size_t)job->width * job->channels * sizeof *job->texels);
+    job->status = job->row && job->texels ? NCR_OK : NCR_E_NOMEM;
+    if (job->status == NCR_OK)
+        give_rows(job, passes);
 }
 
 static void read_words(png_job *job)
@@ -323,17 +351,15 @@ static ncr_status read_file(png_job *job, void (*body)(png_job *job))
     const ncr_status status = job->info ? guarded(job, body) : NCR_E_NOMEM;
     png_destroy_read_struct(&job->png, &job->info, NULL);
     ncr_free(job->ctx, job->row);
+    ncr_free(job->ctx, job->texels);
     fclose(job->stream);
     return status;
 }
 
-ncr_status ncr_png_read(const ncr_ctx *ctx, const char *path, ncr_image *out)
+ncr_status ncr_png_read(const ncr_ctx *ctx, const char *path, const ncr_row_sink *sink)
 {
-    png_job job = {.ctx = ctx, .path = path, .out = out};
-    const ncr_status status = read_file(&job, read_floats);
-    if (status != NCR_OK)
-        ncr_image_dispose(ctx, out);
-    return status;
+    png_job job = {.ctx = ctx, .path = path, .sink = sink};
+    return read_file(&job, read_floats);
 }
 
 ncr_status ncr_png16_read(const ncr_ctx *ctx, const char *path, uint32_t *width, uint32_t *height,

@@ -7,7 +7,7 @@
 #ifndef NCR_SHADING_CONVENTION_H
 #define NCR_SHADING_CONVENTION_H
 
-#include "shading/directional_map.h"
+#include "shading/map_rows.h"
 
 NCR_BEGIN
 
@@ -48,6 +48,21 @@ NCR_API ncr_status ncr_convention_read(const ncr_ctx *ctx, const ncr_convention 
                                        ncr_directional_map *out);
 
 /**
+ * The same from rows of the image as they come, in any order, so that the image need not be held:
+ * begin, take each row once, finish.
+ *
+ * @param width, height  of the image
+ * @param row            [width][channels]
+ */
+NCR_API ncr_status ncr_convention_begin(const ncr_ctx *ctx, const ncr_convention *convention,
+                                        ncr_axes world, uint32_t width, uint32_t height,
+                                        uint32_t channels, ncr_directional_map *out);
+NCR_API void ncr_convention_take(const ncr_convention *convention, uint32_t y, const float *row,
+                                 ncr_directional_map *out);
+NCR_API ncr_status ncr_convention_finish(const ncr_ctx *ctx, const ncr_convention *convention,
+                                         ncr_directional_map *out);
+
+/**
  * Lay a map of any kind out in a convention.
  *
  * @param size  of the map in the image; 0: the map's own
@@ -59,6 +74,46 @@ NCR_API ncr_status ncr_convention_read(const ncr_ctx *ctx, const ncr_convention 
 NCR_API ncr_status ncr_convention_write(const ncr_ctx *ctx, const ncr_convention *convention,
                                         ncr_axes world, const ncr_directional_map *map,
                                         uint32_t size, ncr_image *out);
+
+/** An image of a map in a convention, given row by row. */
+typedef struct ncr_convention_rows {
+    const ncr_ctx *ctx;
+    const ncr_convention *convention;
+    ncr_map_rows made;
+    const ncr_directional_map *held; /* NULL: rows are made as they are asked for */
+    ncr_directional_map owned;
+    uint32_t width, height; /* of the image */
+    double *integral;       /* [parts][size][channels] */
+} ncr_convention_rows;
+
+/**
+ * The image that ncr_convention_write makes, row by row.
+ *
+ * @param map    borrowed until it is closed
+ * @param spare  NULL, or `map`, which may then be shrunk in place: see ncr_map_rows_init
+ * @param out    a plain struct that must not be moved
+ *
+ * Rows are made when they are asked for and not held, except where a row needs others: samples on
+ * the border, the discs of sphere and paraboloid. Then the laid out map is held, unless `map` is
+ * just that.
+ */
+NCR_API ncr_status ncr_convention_rows_open(const ncr_ctx *ctx, const ncr_convention *convention,
+                                            ncr_axes world, const ncr_directional_map *map,
+                                            ncr_directional_map *spare, uint32_t size,
+                                            ncr_convention_rows *out);
+/** The same of a function, as ncr_directional_map_fill has it. */
+NCR_API ncr_status ncr_convention_rows_of_function(const ncr_ctx *ctx,
+                                                   const ncr_convention *convention, ncr_axes world,
+                                                   uint32_t size, uint32_t channels, double spacing,
+                                                   ncr_radiance_fn *fn, void *user,
+                                                   ncr_convention_rows *out);
+NCR_API void ncr_convention_rows_close(const ncr_ctx *ctx, ncr_convention_rows *rows);
+
+/** Where the rows come from; `rows` is borrowed. */
+NCR_API ncr_row_source ncr_convention_rows_source(ncr_convention_rows *rows);
+
+/** Integral of the map over the sphere, [channels], once all rows have been asked for. */
+NCR_API void ncr_convention_rows_integral(const ncr_convention_rows *rows, double *out);
 
 NCR_END
 

@@ -23,7 +23,7 @@ NCR_API void ncr_axes_undo(ncr_axes axes, const double own[3], double world[3]);
 /** Axes that do what `first` does and then `second`. */
 NCR_API ncr_axes ncr_axes_then(ncr_axes first, ncr_axes second);
 
-enum { NCR_MAP_CHANNELS = 4, NCR_MAP_SIZE_MAX = 16384 };
+enum { NCR_MAP_CHANNELS = 4, NCR_MAP_SIZE_MAX = 16384, NCR_MAP_LEVELS = 15 };
 
 /**
  * A map: a plain struct over an image. Parts follow one another, cube faces downwards and the two

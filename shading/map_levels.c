@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 #include "core/numerics.h"
-#include "shading/directional_map.h"
+#include "shading/map_shrink_internal.h"
 
 #include <math.h>
 #include <string.h>
@@ -34,49 +34,26 @@ typedef struct shrink_job {
     ncr_directional_map *out;
 } shrink_job;
 
-/* Where old texel k of `from` and new texel j of `to` along one side overlap, over [-1,1]; whole
- * numbers until the last step, so that neighbours share their borders exactly. */
-static bool overlap(uint32_t from, uint32_t to, uint32_t k, uint32_t j, double *lo, double *hi)
-{
-    const uint64_t a = (uint64_t)k * to, b = (uint64_t)j * from; /* in 1 / (from to) */
-    const uint64_t begin = a > b ? a : b;
-    const uint64_t end = a + to < b + from ? a + to : b + from;
-    const double all = (double)from * to;
-    *lo = 2 * (double)begin / all - 1;
-    *hi = 2 * (double)end / all - 1;
-    return begin < end;
-}
-
-static void shrink_texel(const shrink_job *job, uint32_t x, uint32_t y)
-{
-    const ncr_directional_map *in = job->in, *out = job->out;
-    const uint32_t parts = ncr_map_part_count(in->kind), channels = in->image.channels;
-    const uint32_t w0 = ncr_map_part_width(in->kind, in->size), h0 = in->size;
-    const uint32_t w1 = ncr_map_part_width(in->kind, out->size), h1 = out->size;
-    double sum[6 * NCR_MAP_CHANNELS] = {0}, weight = 0, s0, s1, t0, t1;
-    for (uint32_t j = (uint32_t)((uint64_t)y * h0 / h1); j < h0 && overlap(h0, h1, j, y, &t0, &t1);
-         j++) {
-        for (uint32_t i = (uint32_t)((uint64_t)x * w0 / w1);
-             i < w0 && overlap(w0, w1, i, x, &s0, &s1); i++) {
-            const double shared = ncr_map_solid_angle(in->kind, s0, s1, t0, t1);
-            weight += shared;
-            for (uint32_t k = 0; k < parts * channels; k++)
-                sum[k] +=
-                    shared * (double)ncr_directional_map_at(in, k / channels, i, j)[k % channels];
-        }
-    }
-    for (uint32_t k = 0; k < parts * channels && weight > 0; k++)
-        ncr_directional_map_at(out, k / channels, x, y)[k % channels] = (float)(sum[k] / weight);
-}
-
 static void shrink_rows(size_t begin, size_t end, unsigned worker, void *arg)
 {
     const shrink_job *job = arg;
-    const uint32_t width = ncr_map_part_width(job->out->kind, job->out->size);
+    const ncr_directional_map *in = job->in, *out = job->out;
+    const ncr_shrink how = {.kind = in->kind,
+                            .from = in->size,
+                            .to = out->size,
+                            .channels = in->image.channels,
+                            .parts = ncr_map_part_count(in->kind)};
+    const uint32_t other = how.parts - 1;
+    const size_t stride = (size_t)in->image.width * how.channels;
+    const size_t apart = (size_t)(ncr_directional_map_at(in, other, 0, 0) - in->image.data);
+    const size_t out_apart = (size_t)(ncr_directional_map_at(out, other, 0, 0) - out->image.data);
     (void)worker;
     for (size_t y = begin; y < end; y++)
-        for (uint32_t x = 0; x < width; x++)
-            shrink_texel(job, x, (uint32_t)y);
+        ncr_shrink_row(&how, (uint32_t)y,
+                       ncr_directional_map_at(in, 0, 0, ncr_shrink_first(&how, (uint32_t)y)),
+                       stride, other ? apart / other : 0,
+                       ncr_directional_map_at(out, 0, 0, (uint32_t)y),
+                       other ? out_apart / other : 0);
 }
 
 ncr_status ncr_directional_map_shrink(const ncr_ctx *ctx, const ncr_directional_map *in,
