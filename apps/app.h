@@ -52,4 +52,7 @@ void app_print_json(const app *a, json_t *object);
 /** Wall-clock seconds from an arbitrary origin. */
 double app_seconds(void);
 
+/** The most memory that this program has had in use so far, in bytes: its largest resident set. */
+uint64_t app_peak_memory(void);
+
 #endif

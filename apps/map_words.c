@@ -77,18 +77,16 @@ ncr_status map_convention_word(const app *a, const char *word, ncr_map_kind kind
 static ncr_status by_shape(const app *a, const char *word, const char *file,
                            const ncr_convention **out)
 {
-    ncr_image image;
+    uint32_t width, height;
     const ncr_convention *c;
-    const ncr_status status = ncr_image_read(&a->ctx, file, &image, NULL);
+    const ncr_status status = ncr_image_read_size(&a->ctx, file, &width, &height);
     size_t fits = 0;
     for (size_t k = 0; status == NCR_OK && (c = ncr_convention_at(k)); k++) {
-        if (!strcmp(c->name, word) && ncr_convention_size(c, image.width, image.height)) {
+        if (!strcmp(c->name, word) && ncr_convention_size(c, width, height)) {
             *out = c;
             fits++;
         }
     }
-    const uint32_t width = image.width, height = image.height;
-    ncr_image_dispose(&a->ctx, &image);
     if (status != NCR_OK || fits == 1)
         return status;
     *out = NULL;

@@ -21,11 +21,11 @@ typedef struct env_job {
     const env_options *o;
     ncr_map_stated as; /* how the result is laid out */
     ncr_map_file_report read;
-    ncr_directional_map in, out;
-    double energy_in[NCR_MAP_CHANNELS], energy_out[NCR_MAP_CHANNELS];
-    double seconds[3]; /* read, convert, write */
-    uint32_t levels;   /* written */
-    ncr_ktx2_report stored;
+    ncr_directional_map in;
+    uint32_t in_size;
+    double energy_in[NCR_MAP_CHANNELS];
+    double seconds[2]; /* read; convert and write, which go on at once */
+    ncr_map_written made;
     ncr_gltf_light_report packed; /* a light of glTF */
 } env_job;
 
@@ -47,65 +47,31 @@ static ncr_status read_map(env_job *job)
     return map_words_read(&o->common, o->in, o->from, o->from_up, &job->in, &job->read);
 }
 
-static ncr_status make_output(env_job *job, uint32_t size)
-{
-    const app *a = &job->o->common;
-    const ncr_status status =
-        ncr_directional_map_init(&a->ctx, job->as.convention->kind, size, 3, &job->out);
-    job->out.axes = ncr_axes_then(job->as.world, job->as.convention->axes);
-    return status;
-}
-
-static ncr_status convert(env_job *job)
-{
-    const app *a = &job->o->common;
-    const uint32_t size = job->o->size;
-    ncr_status status =
-        make_output(job, size ? size : fitting_size(&job->in, job->as.convention->kind));
-    if (status == NCR_OK)
-        status = ncr_directional_map_convert(&a->ctx, &job->in, &job->out);
-    if (status == NCR_OK) {
-        ncr_directional_map_integral(&job->in, job->energy_in);
-        ncr_directional_map_integral(&job->out, job->energy_out);
-    }
-    return status;
-}
-
-/* Edges of letters are sampled four times each way. */
-static ncr_status draw_chart(env_job *job)
-{
-    const app *a = &job->o->common;
-    ncr_status status = make_output(job, job->o->size ? job->o->size : 256);
-    if (status == NCR_OK)
-        status = ncr_directional_map_fill(&a->ctx, &job->out, 0.5 / job->out.size,
-                                          ncr_orientation_chart, NULL);
-    if (status == NCR_OK) {
-        ncr_directional_map_integral(&job->out, job->energy_out);
-        memcpy(job->energy_in, job->energy_out, sizeof job->energy_in);
-    }
-    return status;
-}
-
-static ncr_status write_map(env_job *job)
+/* A map becomes a file row by row, and is spent by it. Edges of the chart's letters are sampled four
+ * times each way. */
+static ncr_status make_map(env_job *job)
 {
     const env_options *o = job->o;
     const ncr_ctx *ctx = &o->common.ctx;
+    const uint32_t size = o->size    ? o->size
+                          : o->chart ? 256
+                                     : fitting_size(&job->in, job->as.convention->kind);
     const ncr_map_file_opts how = {.struct_size = sizeof how,
                                    .as = job->as,
+                                   .size = size,
                                    .half = o->half,
                                    .exposure = o->exposure,
                                    .ktx2 = o->rgb9e5   ? NCR_KTX2_RGB9E5
                                            : o->single ? NCR_KTX2_FLOAT
                                                        : NCR_KTX2_HALF};
-    ncr_directional_map levels[NCR_KTX2_LEVELS] = {{.kind = NCR_MAP_CUBE}};
-    job->levels = o->mips ? ncr_map_level_count(job->out.size) : 1;
-    if (!o->mips)
-        return ncr_map_file_write_levels(ctx, o->out, &job->out, 1, &how, &job->stored);
-    ncr_status status = ncr_directional_map_levels(ctx, &job->out, job->levels, levels);
-    if (status == NCR_OK)
-        status = ncr_map_file_write_levels(ctx, o->out, levels, job->levels, &how, &job->stored);
-    for (uint32_t k = 0; k < job->levels; k++)
-        ncr_directional_map_dispose(ctx, &levels[k]);
+    const ncr_map_function chart = {
+        .fn = ncr_orientation_chart, .spacing = 0.5 / size, .channels = 3};
+    if (!o->chart)
+        ncr_directional_map_integral(&job->in, job->energy_in);
+    const ncr_status status = ncr_map_file_make(ctx, o->out, o->chart ? NULL : &job->in, &chart,
+                                                o->mips, &how, &job->made);
+    if (o->chart)
+        memcpy(job->energy_in, job->made.integral, sizeof job->energy_in);
     return status;
 }
 
@@ -114,16 +80,26 @@ static ncr_status write_map(env_job *job)
 static ncr_status write_light(env_job *job)
 {
     const env_options *o = job->o;
-    const ncr_directional_map *map = o->chart ? &job->out : &job->in;
+    const ncr_directional_map *map = &job->in;
     uint32_t size = o->size ? o->size : fitting_size(map, NCR_MAP_CUBE);
     if (!o->size)
         size = size > 256 ? 256 : size < 32 ? 32 : (uint32_t)exp2(floor(log2(size)));
     job->as = (ncr_map_stated){ncr_convention_find("gltf", NCR_MAP_CUBE), ncr_world_y_up()};
-    job->levels = env_light_levels(size);
+    job->made.levels = env_light_levels(size);
+    job->made.size = size;
     ncr_directional_map_integral(map, job->energy_in);
     const ncr_status status = env_write_light(&o->common, o->out, map, size, &job->packed);
-    job->out.size = size;
     return status;
+}
+
+static ncr_status draw_chart(env_job *job)
+{
+    const app *a = &job->o->common;
+    const uint32_t size = job->o->size ? job->o->size : 256;
+    const ncr_status status = ncr_directional_map_init(&a->ctx, NCR_MAP_CUBE, size, 3, &job->in);
+    return status == NCR_OK ? ncr_directional_map_fill(&a->ctx, &job->in, 0.5 / size,
+                                                       ncr_orientation_chart, NULL)
+                            : status;
 }
 
 static ncr_status timed(double *seconds, ncr_status (*step)(env_job *job), env_job *job)
@@ -153,10 +129,11 @@ static ncr_status run(env_job *job)
                      o->out);
     if (status == NCR_OK && !o->chart)
         status = timed(&job->seconds[0], read_map, job);
-    if (status == NCR_OK && (o->chart || !light))
-        status = timed(&job->seconds[1], o->chart ? draw_chart : convert, job);
+    if (status == NCR_OK && o->chart && light)
+        status = draw_chart(job);
+    job->in_size = job->in.size;
     if (status == NCR_OK)
-        status = timed(&job->seconds[2], light ? write_light : write_map, job);
+        status = timed(&job->seconds[1], light ? write_light : make_map, job);
     return status;
 }
 
@@ -166,7 +143,7 @@ static double energy_change(const env_job *job)
     double worst = 0;
     for (int c = 0; c < 3; c++)
         if (job->energy_in[c] != 0)
-            worst = fmax(worst, fabs(job->energy_out[c] / job->energy_in[c] - 1));
+            worst = fmax(worst, fabs(job->made.integral[c] / job->energy_in[c] - 1));
     return worst;
 }
 
@@ -177,27 +154,29 @@ static void report(const env_job *job)
     const ncr_convention *c = job->as.convention, *from = job->read.used.convention;
     if (from)
         app_say(a, "%s: %s map of size %u by the convention %s: %s", o->in,
-                ncr_map_kind_name(from->kind), job->in.size, from->name, from->says);
+                ncr_map_kind_name(from->kind), job->in_size, from->name, from->says);
     if (job->read.negative || job->read.nonfinite)
         app_say(a, "%s: %llu values are negative and kept, %llu were not finite and are now 0",
                 o->in, (unsigned long long)job->read.negative,
                 (unsigned long long)job->read.nonfinite);
     app_say(a, "%s: %s map of size %u by the convention %s: %s", o->out, ncr_map_kind_name(c->kind),
-            job->out.size, c->name, c->says);
-    if (job->levels > 1 && !env_is_light(o->out))
-        app_say(a, "%u levels, each texel the mean of what it covers by solid angle", job->levels);
-    if (job->stored.worst > 0 || job->stored.clamped)
+            job->made.size, c->name, c->says);
+    if (job->made.levels > 1 && !env_is_light(o->out))
+        app_say(a, "%u levels, each texel the mean of what it covers by solid angle",
+                job->made.levels);
+    if (job->made.stored.worst > 0 || job->made.stored.clamped)
         app_say(
             a,
             "storing changed values by at most %.2g of their texel's largest channel, %.2g rms; "
             "%llu did not fit and were clamped",
-            job->stored.worst, job->stored.rms, (unsigned long long)job->stored.clamped);
+            job->made.stored.worst, job->made.stored.rms,
+            (unsigned long long)job->made.stored.clamped);
     if (env_is_light(o->out))
         app_say(
             a,
             "%u levels of GGX roughness 0 to 1; packing into RGBD changed values by %.2g rms; %llu "
             "did not fit and were clamped, which took %.2g %% of the light",
-            job->levels, job->packed.rms, (unsigned long long)job->packed.clamped,
+            job->made.levels, job->packed.rms, (unsigned long long)job->packed.clamped,
             100 * job->packed.lost);
     else if (from)
         app_say(a, "integral over the sphere changed by %.2g %%", 100 * energy_change(job));
@@ -212,16 +191,17 @@ static json_t *side(const ncr_convention *c, uint32_t size)
 
 static json_t *describe(const env_job *job)
 {
-    const double *e = job->energy_in, *f = job->energy_out, *t = job->seconds;
-    const ncr_ktx2_report *s = &job->stored;
+    const double *e = job->energy_in, *f = job->made.integral, *t = job->seconds;
+    const ncr_ktx2_report *s = &job->made.stored;
     return json_pack("{s:s, s:o, s:o, s:[f,f,f], s:[f,f,f], s:I, s:I, s:i, s:{s:I, s:f, s:f}, "
-                     "s:{s:f, s:f, s:f}}",
-                     "schema", "nacre.env/1", "in", side(job->read.used.convention, job->in.size),
-                     "out", side(job->as.convention, job->out.size), "energy_in", e[0], e[1], e[2],
+                     "s:{s:f, s:f}, s:I}",
+                     "schema", "nacre.env/2", "in", side(job->read.used.convention, job->in_size),
+                     "out", side(job->as.convention, job->made.size), "energy_in", e[0], e[1], e[2],
                      "energy_out", f[0], f[1], f[2], "negative", (json_int_t)job->read.negative,
-                     "nonfinite", (json_int_t)job->read.nonfinite, "levels", (int)job->levels,
+                     "nonfinite", (json_int_t)job->read.nonfinite, "levels", (int)job->made.levels,
                      "stored", "clamped", (json_int_t)s->clamped, "worst", s->worst, "rms", s->rms,
-                     "seconds", "read", t[0], "convert", t[1], "write", t[2]);
+                     "seconds", "read", t[0], "make", t[1], "peak_memory",
+                     (json_int_t)app_peak_memory());
 }
 
 /* What packing did stands in the place of the integral over one map. */
@@ -320,6 +300,5 @@ int verb_env(int argc, char **argv)
         app_print_json(&o.common, env_is_light(o.out) ? describe_light(&job) : describe(&job));
     }
     ncr_directional_map_dispose(&o.common.ctx, &job.in);
-    ncr_directional_map_dispose(&o.common.ctx, &job.out);
     return app_exit_code(status);
 }

@@ -50,6 +50,38 @@ typedef struct ncr_map_file_opts {
     double exposure; /* PNG: factor before clip and sRGB curve; 0: 1 */
 } ncr_map_file_opts;
 
+/** A map that is to be written, where none is there yet: see ncr_directional_map_fill. */
+typedef struct ncr_map_function {
+    ncr_radiance_fn *fn;
+    void *user;
+    double spacing;
+    uint32_t channels;
+} ncr_map_function;
+
+/** What writing found. */
+typedef struct ncr_map_written {
+    uint32_t size, levels;
+    double integral[NCR_MAP_CHANNELS]; /* of what was written, before the format rounds it */
+    ncr_ktx2_report stored;            /* KTX 2 only */
+} ncr_map_written;
+
+/**
+ * Convert a map, or work one out, straight into a file, row by row.
+ *
+ * @param map       what to convert, as ncr_directional_map_convert does it. It may be shrunk in place,
+ *                  and is not to be used any more; NULL: `function`
+ * @param mips      all levels, as ncr_directional_map_levels makes them: KTX 2 only
+ * @param opts      `as` needs a convention, and where there is no map, `size`
+ * @param report    NULL not wanted
+ *
+ * Beside `map` some rows are held, but for what is seen from the border (convention openexr), the
+ * discs of sphere and paraboloid, and levels of other cubes than strips: then the result, too, and
+ * its levels.
+ */
+NCR_API ncr_status ncr_map_file_make(const ncr_ctx *ctx, const char *path, ncr_directional_map *map,
+                                     const ncr_map_function *function, bool mips,
+                                     const ncr_map_file_opts *opts, ncr_map_written *report);
+
 /** Write a map by a convention, which the file then states in words. As ncr_image_write. KTX 2 gets
  *  a cube where the convention has its faces as OpenGL has them, downwards, else a flat texture. */
 NCR_API ncr_status ncr_map_file_write(const ncr_ctx *ctx, const char *path,

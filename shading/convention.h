@@ -83,7 +83,7 @@ typedef struct ncr_convention_rows {
     const ncr_directional_map *held; /* NULL: rows are made as they are asked for */
     ncr_directional_map owned;
     uint32_t width, height; /* of the image */
-    double *integral;       /* [parts][size][channels] */
+    ncr_sum *integral;      /* [parts][size][channels] */
 } ncr_convention_rows;
 
 /**

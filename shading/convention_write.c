@@ -1,5 +1,4 @@
 /* SPDX-License-Identifier: MIT */
-#include "core/numerics.h"
 #include "shading/convention.h"
 
 #include <string.h>
@@ -99,7 +98,10 @@ void ncr_convention_rows_integral(const ncr_convention_rows *rows, double *out)
     ncr_sum sum[NCR_MAP_CHANNELS] = {{0}};
     for (size_t k = 0; k < (size_t)ncr_map_part_count(shape->kind) * shape->size; k++)
         for (uint32_t c = 0; c < channels; c++)
-            ncr_sum_add(&sum[c], rows->integral[k * channels + c]);
+            ncr_sum_add(&sum[c], rows->integral[k * channels + c].sum);
+    for (size_t k = 0; k < (size_t)ncr_map_part_count(shape->kind) * shape->size; k++)
+        for (uint32_t c = 0; c < channels; c++)
+            ncr_sum_add(&sum[c], rows->integral[k * channels + c].error);
     for (uint32_t c = 0; c < channels; c++)
         out[c] = ncr_sum_value(&sum[c]);
 }

@@ -1,8 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 #include "shading/map_rows.h"
 
-#include "core/numerics.h"
-
 #include <math.h>
 #include <string.h>
 
@@ -272,7 +270,7 @@ typedef struct rows_job {
     uint32_t part, y;
     float *out;
     size_t stride;
-    double *integral;
+    ncr_sum *integral;
 } rows_job;
 
 static void get_row(const ncr_map_rows *r, uint32_t part, uint32_t y, float *out)
@@ -291,20 +289,18 @@ static void get_row(const ncr_map_rows *r, uint32_t part, uint32_t y, float *out
 
 /* All texels of a row of lat-long are alike. */
 static void integrate_row(const ncr_directional_map *shape, uint32_t y, const float *row,
-                          double *out)
+                          ncr_sum *out)
 {
     const uint32_t w = ncr_map_part_width(shape->kind, shape->size);
     const uint32_t channels = shape->image.channels;
-    ncr_sum sum[NCR_MAP_CHANNELS] = {{0}};
     double weight = 0;
+    memset(out, 0, channels * sizeof *out);
     for (uint32_t x = 0; x < w; x++, row += channels) {
         if (x == 0 || shape->kind != NCR_MAP_LATLONG)
             weight = ncr_map_texel_solid_angle(shape->kind, shape->size, x, y);
         for (uint32_t c = 0; c < channels && weight > 0; c++)
-            ncr_sum_add(&sum[c], weight * (double)row[c]);
+            ncr_sum_add(&out[c], weight * (double)row[c]);
     }
-    for (uint32_t c = 0; c < channels; c++)
-        out[c] = ncr_sum_value(&sum[c]);
 }
 
 static void get_rows(size_t first, size_t past, unsigned worker, void *arg)
@@ -322,7 +318,7 @@ static void get_rows(size_t first, size_t past, unsigned worker, void *arg)
 }
 
 ncr_status ncr_map_rows_get(const ncr_ctx *ctx, const ncr_map_rows *rows, uint32_t part, uint32_t y,
-                            uint32_t count, float *out, size_t stride, double *integral)
+                            uint32_t count, float *out, size_t stride, ncr_sum *integral)
 {
     rows_job job = {rows, part, y, out, stride, integral};
     return ncr_parallel_for(ctx, count, 4, get_rows, &job);

@@ -4,6 +4,7 @@
 #ifndef NCR_SHADING_MAP_ROWS_H
 #define NCR_SHADING_MAP_ROWS_H
 
+#include "core/numerics.h"
 #include "shading/directional_map.h"
 
 NCR_BEGIN
@@ -54,7 +55,7 @@ NCR_API void ncr_map_rows_dispose(const ncr_ctx *ctx, ncr_map_rows *rows);
  */
 NCR_API ncr_status ncr_map_rows_get(const ncr_ctx *ctx, const ncr_map_rows *rows, uint32_t part,
                                     uint32_t y, uint32_t count, float *out, size_t stride,
-                                    double *integral);
+                                    ncr_sum *integral);
 
 /** All rows of all parts into a map of that shape, sealed. */
 NCR_API ncr_status ncr_map_rows_get_all(const ncr_ctx *ctx, const ncr_map_rows *rows,

@@ -71,7 +71,7 @@ for kind in cube octahedral latlong sphere paraboloid; do
     done
 done
 expect 0 "" env "$work/chart.exr" --to latlong -o "$work/l.exr" --json
-jq -e '.schema == "nacre.env/1" and .negative == 0 and .nonfinite == 0 and .out.size == 128 and
+jq -e '.schema == "nacre.env/2" and .negative == 0 and .nonfinite == 0 and .out.size == 128 and
        (.energy_out[0] / .energy_in[0] - 1 | fabs) < 0.01' "$work/out" >/dev/null ||
     fail "env --json: $(cat "$work/out")"
 
