@@ -20,7 +20,7 @@
 
 #define ALWAYS_INLINE static inline __attribute__((always_inline))
 
-enum { far_bytes = 8 << 20, near_bytes = 16 << 10 };
+enum { far_bytes = 8 << 20 };
 
 /* Mixed texels of up to 64 look-ups, channel by channel. */
 typedef struct mixed_row {
@@ -49,18 +49,11 @@ ALWAYS_INLINE void find_addresses(const texel_layout *in, const lookup_row *at,
         address[k] = in->texels + point[k] * in->point + (uint32_t)at->first[k] * in->texel;
 }
 
-/* Start fetching texels that no cache is likely to hold, all of a row at once: of every other look-up,
- * since neighbours mostly share lines. Look-ups that are all close together need no asking. */
+/* Start fetching texels that no cache is likely to hold: of every fourth look-up, since neighbours
+ * mostly share lines. */
 ALWAYS_INLINE void ask_for(const texel_layout *in, const uint64_t *address)
 {
-    uint64_t low = UINT64_MAX, high = 0;
-    for (size_t k = 0; k < LOOKUP_ROW; k++) {
-        low = address[k] < low ? address[k] : low;
-        high = address[k] > high ? address[k] : high;
-    }
-    if (!in->far || high - low < near_bytes)
-        return;
-    for (size_t k = 0; k < LOOKUP_ROW; k += 2) {
+    for (size_t k = 0; in->far && k < LOOKUP_ROW; k += 4) {
         _mm_prefetch((const char *)(uintptr_t)address[k], _MM_HINT_T0);
         _mm_prefetch((const char *)(uintptr_t)(address[k] + in->row), _MM_HINT_T0);
     }
@@ -163,9 +156,43 @@ ALWAYS_INLINE size_t accumulate_rows(const ncr_lightfield *field, bool half, siz
 /* A row of blends, up to the texels themselves. */
 typedef struct blend_ahead {
     lookup_row at;
-    blend_row b;
+    float w[LOOKUP_POINTS][LOOKUP_ROW], total[LOOKUP_ROW];
     uint64_t address[LOOKUP_POINTS][LOOKUP_ROW];
 } blend_ahead;
+
+/* Points and weights of WIDE blends, made harmless: a point that is missing or has no weight becomes
+ * one that is read anyway, with weight 0, so that the loop over texels needs no branch and fetches
+ * nothing more. */
+ALWAYS_INLINE void prepare_group(const texel_layout *in, unsigned points, const candidate_row *row,
+                                 size_t k, blend_ahead *out)
+{
+    const wide_int none = wide_int_set(NCR_NO_POINT);
+    const wide zero = wide_set(0);
+    wide_int point[LOOKUP_POINTS], stand_in = wide_int_set(0);
+    wide_mask unused[LOOKUP_POINTS];
+    wide total = zero;
+    for (unsigned j = 0; j < points; j++) {
+        point[j] = wide_int_from_u16(row->point[j] + k);
+        const wide w = wide_select(wide_int_equal(point[j], none), zero, wide_load(row->w[j] + k));
+        unused[j] = wide_equal(w, zero);
+        stand_in = wide_int_select(unused[j], stand_in, point[j]);
+        total = wide_add(total, w);
+        wide_store(out->w[j] + k, w);
+    }
+    wide_store(out->total + k, total);
+    const wide_int first = wide_int_load((const uint32_t *)out->at.first + k);
+    const wide_long texels = wide_long_set(in->texels), texel = wide_long_set(in->texel);
+    const wide_long low = wide_long_add(texels, wide_long_mul(wide_long_low(first), texel));
+    const wide_long high = wide_long_add(texels, wide_long_mul(wide_long_high(first), texel));
+    const wide_long stride = wide_long_set(in->point); /* below 6 4098^2 16 < 2^32 */
+    for (unsigned j = 0; j < points; j++) {
+        const wide_int p = wide_int_select(unused[j], stand_in, point[j]);
+        const wide_long a = wide_long_mul(wide_long_low(p), stride);
+        const wide_long b = wide_long_mul(wide_long_high(p), stride);
+        wide_long_store(out->address[j] + k, wide_long_add(low, a));
+        wide_long_store(out->address[j] + k + WIDE / 2, wide_long_add(high, b));
+    }
+}
 
 ALWAYS_INLINE void prepare_blends(const ncr_lightfield *field, const texel_layout *in, size_t count,
                                   unsigned points, const uint16_t *const *point,
@@ -173,13 +200,14 @@ ALWAYS_INLINE void prepare_blends(const ncr_lightfield *field, const texel_layou
                                   blend_ahead *out)
 {
     direction_row directions;
+    candidate_row candidates;
     take_directions(d, begin, count, &directions);
+    take_candidates(points, point, w, begin, count, &candidates);
     find_footprints(field, directions.at, &out->at);
-    tame_points(count, points, point, w, begin, &out->b);
-    for (unsigned j = 0; j < points; j++) {
-        find_addresses(in, &out->at, out->b.point[j], out->address[j]);
+    for (size_t k = 0; k < LOOKUP_ROW; k += WIDE)
+        prepare_group(in, points, &candidates, k, out);
+    for (unsigned j = 0; j < points; j++)
         ask_for(in, out->address[j]);
-    }
 }
 
 ALWAYS_INLINE void blend_group(const texel_layout *in, bool half, const blend_ahead *a,
@@ -193,7 +221,7 @@ ALWAYS_INLINE void blend_group(const texel_layout *in, bool half, const blend_ah
             const size_t pixel = k + (size_t)(4 * lane + i);
             c[lane] = corners_zero();
             for (unsigned j = 0; j < points; j++)
-                c[lane] = corners_add_scaled(c[lane], a->b.w[j][pixel],
+                c[lane] = corners_add_scaled(c[lane], a->w[j][pixel],
                                              load_corners(in, half, a->address[j][pixel]));
         }
         z[i] = corners_mix(c, fx, fy, i);
@@ -203,11 +231,11 @@ ALWAYS_INLINE void blend_group(const texel_layout *in, bool half, const blend_ah
 
 /* Whether a texel never captured took part: elsewhere the fourth channel is the sum of weights, to
  * the bit. */
-ALWAYS_INLINE bool any_trapped(const mixed_row *mix, const blend_row *b, size_t count)
+ALWAYS_INLINE bool any_trapped(const mixed_row *mix, const blend_ahead *a, size_t count)
 {
     uint32_t suspect = 0;
     for (size_t k = 0; k < count; k++)
-        suspect += mix->at[3][k] != b->total[k];
+        suspect += mix->at[3][k] != a->total[k];
     return suspect != 0;
 }
 
@@ -232,9 +260,9 @@ ALWAYS_INLINE size_t blend_rows(const ncr_lightfield *field, bool half, size_t c
         for (int c = 0; c < 3; c++)
             for (size_t k = 0; k < here; k++)
                 out[c][begin + k] = mix.at[c][k] * field->scale;
-        const bool suspect = any_trapped(&mix, &a->b, here);
+        const bool suspect = any_trapped(&mix, a, here);
         for (size_t k = 0; suspect && k < here; k++)
-            if (mix.at[3][k] != a->b.total[k])
+            if (mix.at[3][k] != a->total[k])
                 trapped += ncr_lightfield_trapped(field, begin + k, points, point, w, d);
     }
     return trapped;
@@ -260,6 +288,9 @@ ALWAYS_INLINE size_t blend_rows(const ncr_lightfield *field, bool half, size_t c
         if (points == 4)                                                                           \
             return half ? blend_rows(field, true, count, 4, point, w, d, out)                      \
                         : blend_rows(field, false, count, 4, point, w, d, out);                    \
+        if (points == 1)                                                                           \
+            return half ? blend_rows(field, true, count, 1, point, w, d, out)                      \
+                        : blend_rows(field, false, count, 1, point, w, d, out);                    \
         return half ? blend_rows(field, true, count, points, point, w, d, out)                     \
                     : blend_rows(field, false, count, points, point, w, d, out);                   \
     }

@@ -8,6 +8,11 @@
  *     wide_ge(a, b) wide_negative(a) mask_and(a, b) mask_not(a)
  *     wide_select(mask, a, b)       a where mask holds
  *     wide_truncate(a) wide_float(i) wide_int_set(x) wide_int_add wide_int_mul wide_int_select
+ *     wide_int_equal(a, b) wide_int_from_u16(at)
+ *     wide_long                     WIDE / 2 integers of 64 bits
+ *     wide_long_low(i) wide_long_high(i) of the first and second half, as unsigned integers
+ *     wide_long_set(x) wide_long_add(a, b) wide_long_store(at, a)
+ *     wide_long_mul(a, b)           of the lower 32 bits
  *
  * Same operations in the same order as the definition, so the same bits. */
 #ifndef NCR_SHADING_LIGHTFIELD_ROWS_INTERNAL_H
@@ -92,37 +97,30 @@ static inline void take_directions(const float *const d[3], size_t begin, size_t
     }
 }
 
-/* Points and weights of up to 64 blends, made harmless: a point that is missing or has no weight
- * becomes one that is read anyway, with weight 0, so that the loop over texels needs no branch and
- * fetches nothing more. */
-typedef struct blend_row {
-    uint32_t point[LOOKUP_POINTS][LOOKUP_ROW];
-    float w[LOOKUP_POINTS][LOOKUP_ROW];
-    float total[LOOKUP_ROW];
-} blend_row;
+/* Points and weights of a row of blends; a copy, filled up to 64, where fewer are left. */
+typedef struct candidate_row {
+    uint16_t point_copy[LOOKUP_POINTS][LOOKUP_ROW];
+    float w_copy[LOOKUP_POINTS][LOOKUP_ROW];
+    const uint16_t *point[LOOKUP_POINTS];
+    const float *w[LOOKUP_POINTS];
+} candidate_row;
 
-static inline void tame_points(size_t count, unsigned points, const uint16_t *const *point,
-                               const float *const *w, size_t begin, blend_row *out)
+static inline void take_candidates(unsigned points, const uint16_t *const *point,
+                                   const float *const *w, size_t begin, size_t count,
+                                   candidate_row *out)
 {
-    uint32_t stand_in[LOOKUP_ROW] = {0};
-    for (size_t k = 0; k < LOOKUP_ROW; k++)
-        out->total[k] = 0;
     for (unsigned j = 0; j < points; j++) {
-        const uint16_t *pj = point[j] + begin;
-        const float *wj = w[j] + begin;
-        for (size_t k = count; k < LOOKUP_ROW; k++)
-            out->w[j][k] = 0;
-        for (size_t k = 0; k < count; k++) {
-            const float weight = pj[k] == NCR_NO_POINT ? 0 : wj[k];
-            out->w[j][k] = weight;
-            out->point[j][k] = pj[k];
-            out->total[k] += weight;
-            stand_in[k] = weight != 0 ? pj[k] : stand_in[k];
+        out->point[j] = point[j] + begin;
+        out->w[j] = w[j] + begin;
+        if (count == LOOKUP_ROW)
+            continue;
+        for (size_t k = 0; k < LOOKUP_ROW; k++) {
+            out->point_copy[j][k] = k < count ? point[j][begin + k] : NCR_NO_POINT;
+            out->w_copy[j][k] = k < count ? w[j][begin + k] : 0;
         }
+        out->point[j] = out->point_copy[j];
+        out->w[j] = out->w_copy[j];
     }
-    for (unsigned j = 0; j < points; j++)
-        for (size_t k = 0; k < LOOKUP_ROW; k++)
-            out->point[j][k] = out->w[j][k] != 0 ? out->point[j][k] : stand_in[k];
 }
 
 #endif

@@ -143,8 +143,9 @@ size_t ncr_run_take(const ncr_gbuffer *gbuffer, size_t begin, size_t end, ncr_ru
  * room for; returns how many. */
 size_t ncr_run_add(const ncr_gbuffer *gbuffer, size_t begin, size_t end, ncr_run *run);
 
-/* Start fetching a quarter, 0 to 3, of what the pixels from `begin` on need of the G-buffer. */
-void ncr_run_fetch(const ncr_gbuffer *gbuffer, size_t begin, unsigned quarter);
+/* Start fetching a quarter, 0 to 3, of what the run after the one from pixel `next` on needs of the
+ * G-buffer. */
+void ncr_run_fetch(const ncr_gbuffer *gbuffer, size_t next, unsigned quarter);
 
 /* Find a full run's texels in the sample map and start fetching them: done a run ahead, since they
  * lie far apart. */

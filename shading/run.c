@@ -14,18 +14,18 @@ const ncr_run_kernels *ncr_run_kernels_here(void)
 }
 
 /* A dozen streams, each read a piece at a time, are more than processors foresee; and asked for all
- * at once they would have to be waited for. */
-void ncr_run_fetch(const ncr_gbuffer *g, size_t begin, unsigned quarter)
+ * at once they would have to be waited for. One run ahead is not enough for what is in memory only. */
+void ncr_run_fetch(const ncr_gbuffer *g, size_t next, unsigned quarter)
 {
     const void *const arrays[4][3] = {{g->patch, g->u, g->v},
                                       {g->px, g->py, g->pz},
                                       {g->nx, g->ny, g->nz},
                                       {g->vx, g->vy, g->vz}};
-    for (int i = 0; i < 3; i++) {
-        const char *from = (const char *)arrays[quarter][i] + begin * sizeof(float);
-        for (size_t k = 0; k < NCR_RUN * sizeof(float); k += 64)
-            __builtin_prefetch(from + k);
-    }
+    const size_t pixels = (size_t)g->width * g->height, line = 64 / sizeof(float);
+    const size_t begin = next + NCR_RUN, end = begin + NCR_RUN < pixels ? begin + NCR_RUN : pixels;
+    for (int i = 0; i < 3; i++)
+        for (size_t k = begin; k < end; k += line)
+            __builtin_prefetch((const float *)arrays[quarter][i] + k);
 }
 
 /* Where the pixels from `begin` on lie. */

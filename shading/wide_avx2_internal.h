@@ -156,6 +156,48 @@ static inline wide_mask wide_int_less(wide_int a, wide_int b)
     return _mm256_castsi256_ps(_mm256_cmpgt_epi32(b, a));
 }
 
+static inline wide_mask wide_int_equal(wide_int a, wide_int b)
+{
+    return _mm256_castsi256_ps(_mm256_cmpeq_epi32(a, b));
+}
+
+static inline wide_int wide_int_from_u16(const uint16_t *at)
+{
+    return _mm256_cvtepu16_epi32(_mm_loadu_si128((const void *)at));
+}
+
+typedef __m256i wide_long;
+
+static inline wide_long wide_long_low(wide_int a)
+{
+    return _mm256_cvtepu32_epi64(_mm256_castsi256_si128(a));
+}
+
+static inline wide_long wide_long_high(wide_int a)
+{
+    return _mm256_cvtepu32_epi64(_mm256_extracti128_si256(a, 1));
+}
+
+static inline wide_long wide_long_set(uint64_t x)
+{
+    return _mm256_set1_epi64x((int64_t)x);
+}
+
+static inline wide_long wide_long_add(wide_long a, wide_long b)
+{
+    return _mm256_add_epi64(a, b);
+}
+
+static inline wide_long wide_long_mul(wide_long a, wide_long b)
+{
+    return _mm256_mul_epu32(a, b);
+}
+
+static inline void wide_long_store(uint64_t *at, wide_long a)
+{
+    _mm256_storeu_si256((void *)at, a);
+}
+
 /* Four floats at each of two offsets in bytes, a lane each. */
 static inline wide wide_load_lanes(const char *from, const uint32_t *at)
 {

@@ -156,6 +156,48 @@ static inline wide_mask wide_int_less(wide_int a, wide_int b)
     return _mm512_cmplt_epi32_mask(a, b);
 }
 
+static inline wide_mask wide_int_equal(wide_int a, wide_int b)
+{
+    return _mm512_cmpeq_epi32_mask(a, b);
+}
+
+static inline wide_int wide_int_from_u16(const uint16_t *at)
+{
+    return _mm512_cvtepu16_epi32(_mm256_loadu_si256((const void *)at));
+}
+
+typedef __m512i wide_long;
+
+static inline wide_long wide_long_low(wide_int a)
+{
+    return _mm512_cvtepu32_epi64(_mm512_castsi512_si256(a));
+}
+
+static inline wide_long wide_long_high(wide_int a)
+{
+    return _mm512_cvtepu32_epi64(_mm512_extracti64x4_epi64(a, 1));
+}
+
+static inline wide_long wide_long_set(uint64_t x)
+{
+    return _mm512_set1_epi64((int64_t)x);
+}
+
+static inline wide_long wide_long_add(wide_long a, wide_long b)
+{
+    return _mm512_add_epi64(a, b);
+}
+
+static inline wide_long wide_long_mul(wide_long a, wide_long b)
+{
+    return _mm512_mul_epu32(a, b);
+}
+
+static inline void wide_long_store(uint64_t *at, wide_long a)
+{
+    _mm512_storeu_si512(at, a);
+}
+
 /* Four floats at each of four offsets in bytes, a lane each. */
 static inline wide wide_load_lanes(const char *from, const uint32_t *at)
 {
