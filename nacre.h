@@ -60,6 +60,7 @@
 #include "shading/rsibr.h"
 #include "shading/rsibr_disc.h"
 #include "shading/sky.h"
+#include "shading/sky_map.h"
 #include "shading/tile_cache.h"
 #include "shading/tracer.h"
 #include "shading/view_sphere.h"

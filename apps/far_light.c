@@ -49,12 +49,17 @@ bool far_light_is_probe(const far_light_options *o)
     return o->env && !strcmp(o->env, "probe");
 }
 
-static ncr_status make_map(const app *a, const far_light_options *o, const ncr_sky *sky,
-                           const ncr_probe *probe, ncr_directional_map *map)
+static ncr_status make_map(const app *a, const ncr_sky *sky, const ncr_probe *probe,
+                           ncr_directional_map *map)
 {
-    if (probe)
-        return ncr_distant_probe(&a->ctx, probe, map);
-    return o->env ? read_env(a, o, map) : paint_sky(a, sky, map);
+    if (map->image.data)
+        return NCR_OK;
+    return probe ? ncr_distant_probe(&a->ctx, probe, map) : paint_sky(a, sky, map);
+}
+
+ncr_status far_light_read(const app *a, const far_light_options *o, far_light *out)
+{
+    return o->env && !far_light_is_probe(o) ? read_env(a, o, &out->map) : NCR_OK;
 }
 
 static bool any_reads(size_t count, const ncr_method *methods)
@@ -66,12 +71,14 @@ static bool any_reads(size_t count, const ncr_method *methods)
 }
 
 ncr_status far_light_open(const app *a, const far_light_options *o, const ncr_sky *sky,
-                          const ncr_probe *probe, size_t count, const ncr_method *methods,
+                          const ncr_probe *probe, bool lit, size_t count, const ncr_method *methods,
                           far_light *out)
 {
-    *out = (far_light){0};
     if (!any_reads(count, methods)) {
-        const char *asked = o->env ? "--env" : o->lobe ? "--lobe" : o->filter ? "--filter" : NULL;
+        const char *asked = o->env && !lit ? "--env"
+                            : o->lobe      ? "--lobe"
+                            : o->filter    ? "--filter"
+                                           : NULL;
         if (!asked)
             return NCR_OK;
         return ncr_fail(&a->ctx, NCR_E_ARG, "%s: method \"%s\" does not read distant light", asked,
@@ -83,7 +90,7 @@ ncr_status far_light_open(const app *a, const far_light_options *o, const ncr_sk
     if (status == NCR_OK)
         status = filter_word(a, o->filter, &opts.filter);
     if (status == NCR_OK)
-        status = make_map(a, o, sky, probe, &out->map);
+        status = make_map(a, sky, probe, &out->map);
     if (status == NCR_OK)
         status = ncr_distant_create(&a->ctx, &out->map, count, methods, &opts, &out->distant);
     if (status != NCR_OK)
@@ -96,13 +103,4 @@ void far_light_close(const app *a, far_light *light)
     ncr_distant_destroy(&a->ctx, light->distant);
     ncr_directional_map_dispose(&a->ctx, &light->map);
     *light = (far_light){0};
-}
-
-void far_light_fill(const far_light *light, const ncr_gbuffer *g, ncr_image *image)
-{
-    for (size_t k = 0; k < (size_t)g->width * g->height; k++) {
-        const double d[3] = {-(double)g->vx[k], -(double)g->vy[k], -(double)g->vz[k]};
-        if (g->object[k] == NCR_NONE)
-            ncr_directional_map_look_up(&light->map, d, image->data + 3 * k);
-    }
 }

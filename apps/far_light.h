@@ -23,16 +23,17 @@ typedef struct far_light {
 /** Whether the light is a probe's. */
 bool far_light_is_probe(const far_light_options *o);
 
-/** Make the map and filter it for the methods. NCR_E_ARG when none of them reads distant light but
- *  an option asks for it. Does nothing, and leaves *out zeroed, when neither does.
+/** Read the map, if the light is a file's; else leave *out zeroed. */
+ncr_status far_light_read(const app *a, const far_light_options *o, far_light *out);
+
+/** Make the map, unless it was read, and filter it for the methods. NCR_E_ARG when none of them reads
+ *  distant light but an option asks for it; --env may, where `lit`. Filters nothing when none does.
  *
- *  @param probe  NULL unless the light is a probe's */
+ *  @param probe  NULL unless the light is a probe's
+ *  @param lit    the map lights what is traced for the object */
 ncr_status far_light_open(const app *a, const far_light_options *o, const ncr_sky *sky,
-                          const ncr_probe *probe, size_t count, const ncr_method *methods,
+                          const ncr_probe *probe, bool lit, size_t count, const ncr_method *methods,
                           far_light *out);
 void far_light_close(const app *a, far_light *light);
-
-/** Pixels of a G-buffer that see no object show the map. */
-void far_light_fill(const far_light *light, const ncr_gbuffer *gbuffer, ncr_image *image);
 
 #endif

@@ -43,6 +43,18 @@ ncr_status stage_open(const app *a, const char *path, const char *preset, const 
     return status;
 }
 
+ncr_status stage_relight(const app *a, stage *s, const ncr_directional_map *map)
+{
+    ncr_sky sky;
+    const ncr_status status = ncr_sky_from_map(&a->ctx, map, &s->sky_map, &sky);
+    if (status != NCR_OK)
+        return status;
+    s->relit = *s->world;
+    s->relit.sky = sky;
+    s->world = &s->relit;
+    return NCR_OK;
+}
+
 ncr_status stage_light(const app *a, stage *s)
 {
     if (s->irradiance)
@@ -62,6 +74,7 @@ ncr_status stage_light(const app *a, stage *s)
 void stage_close(const app *a, stage *s)
 {
     ncr_irradiance_destroy(&a->ctx, s->irradiance);
+    ncr_directional_map_dispose(&a->ctx, &s->sky_map);
     ncr_scene_file_destroy(&a->ctx, s->file);
     *s = (stage){.object = NCR_NONE};
 }

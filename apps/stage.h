@@ -12,12 +12,18 @@ typedef struct stage {
     uint32_t object; /* the subject */
     ncr_irradiance *irradiance;
     ncr_irradiance_stats light;
+    ncr_world relit; /* *world, once a map stands in for its sky */
+    ncr_directional_map sky_map;
     ncr_tracer tracer; /* usable after stage_light */
 } stage;
 
 /** Load `path`, find the preset and the object (NULL: the scene's subject). */
 ncr_status stage_open(const app *a, const char *path, const char *preset, const char *object,
                       stage *out);
+
+/** Let a map light the scene in place of its sky and sun. Before stage_light. The stage must stay
+ *  where it is from here on. */
+ncr_status stage_relight(const app *a, stage *s, const ncr_directional_map *map);
 
 /** Compute the stored irradiance once; later calls do nothing. */
 ncr_status stage_light(const app *a, stage *s);

@@ -92,8 +92,10 @@ static ncr_status prepare_far_light(render_job *job, const ncr_method *method,
     ncr_status status = NCR_OK;
     if (!recon->entry && term == NCR_TERM_FULL && ncr_method_reads_distant(method))
         status = ncr_method_find(&a->ctx, "lambert", &methods[1]);
+    const bool lit = !probe && (named(method, "trace") || needs_probe(method));
     if (status == NCR_OK)
-        status = far_light_open(a, &job->o->far, &job->s.world->sky, probe, 2, methods, &job->far);
+        status =
+            far_light_open(a, &job->o->far, &job->s.world->sky, probe, lit, 2, methods, &job->far);
     return status;
 }
 
@@ -128,7 +130,11 @@ static ncr_status prepare(render_job *job, const ncr_method *method, const ncr_m
     const bool probes = needs_probe(method) || far_light_is_probe(&job->o->far);
     const bool traces =
         probes || named(method, "trace") || named(recon, "trace") || !job->o->object_only;
-    ncr_status status = traces ? stage_light(a, &job->s) : NCR_OK;
+    ncr_status status = far_light_read(a, &job->o->far, &job->far);
+    if (status == NCR_OK && job->far.map.image.data)
+        status = stage_relight(a, &job->s, &job->far.map);
+    if (status == NCR_OK && traces)
+        status = stage_light(a, &job->s);
     if (status == NCR_OK && probes)
         status = ncr_probe_capture(&a->ctx, &job->s.tracer, job->s.object, cube_size(job),
                                    &job->probe_light, &job->probe);
@@ -191,8 +197,6 @@ static ncr_status shade(render_job *job, const ncr_method *method, const ncr_met
                                       job->s.object, &job->image);
     if (status != NCR_OK)
         return status;
-    if (job->o->far.env && !far_light_is_probe(&job->o->far) && !job->o->object_only)
-        far_light_fill(&job->far, &job->v.gbuffer, &job->image);
     const ncr_material *material = &job->s.world->materials[job->s.object];
     return ncr_method_shade(&a->ctx, method, term, job->o->recon ? recon : NULL, material->specular,
                             &inputs, &job->v.gbuffer, &job->image, &job->stats);
@@ -322,7 +326,8 @@ int verb_render(int argc, char **argv)
         {"--recon", 0, OPTION_TEXT, &o.recon, "NAME", "reconstruction under a full term"},
         {"--field", 0, OPTION_TEXT, &o.field, "FIELD", "a baked field: what OSLF methods read"},
         {"--env", 0, OPTION_TEXT, &o.far.env, "MAP",
-         "distant light: a map, or probe (default: the sky)"},
+         "distant light: a map, which lights the scene and is its background, or probe, what the "
+         "object's place sees (default: the sky)"},
         {"--env-from", 0, OPTION_TEXT, &o.far.from, "CONVENTION",
          "how MAP lies (default: as it says)"},
         {"--env-up", 0, OPTION_TEXT, &o.far.up, "AXIS", "which axis is up in MAP: z or y"},

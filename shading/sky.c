@@ -102,7 +102,7 @@ static float luminance(const float rgb[3])
 static void prepare(const ncr_sky *sky, sky_ready *out)
 {
     double sun[3];
-    *out = (sky_ready){0};
+    *out = (sky_ready){.map = sky->map};
     out->sun_on = sun_of(sky, sun);
     prepare_shape(sky, out->sun_on ? sun : (const double[3]){0, 0, 1}, out);
     if (out->sun_on)
@@ -126,6 +126,14 @@ void ncr_sky_prepare(const ncr_sky *sky, sky_ready *out)
         out->sample[k] = ncr_sky_sun_sample(sky, k, SUN_SAMPLES);
     for (int k = 0; k < SUN_PROBES; k++)
         out->probe[k] = on_sun(sun, radius_of(sky), 0.95, (2 * k + 1) * pi / SUN_PROBES);
+}
+
+ncr_vec3 ncr_sky_map_radiance(const ncr_directional_map *map, ncr_vec3 d)
+{
+    const double direction[3] = {(double)d.x, (double)d.y, (double)d.z};
+    float rgb[3];
+    ncr_directional_map_look_up(map, direction, rgb);
+    return from_array(rgb);
 }
 
 ncr_vec3 ncr_sky_radiance(const ncr_sky *sky, ncr_vec3 d)

@@ -4,7 +4,7 @@
 #ifndef NCR_SHADING_SKY_H
 #define NCR_SHADING_SKY_H
 
-#include "core/base.h"
+#include "shading/directional_map.h"
 
 NCR_BEGIN
 
@@ -21,6 +21,8 @@ typedef struct ncr_sky {
     float sun_direction[3];  /* to the sun, any length; zero: no sun, and no glow about it */
     float sun_irradiance[3]; /* on a plane facing the sun; the disc's radiance follows from it */
     float sun_radius_deg;    /* angular radius; 0: 0.2666 */
+    const ncr_directional_map *map; /* NULL, or the radiance from all around in place of sky and
+                                       ground: 3 channels, sealed; borrowed */
 } ncr_sky;
 
 /** Radiance of the sky without the sun's disc, from unit direction d. Finite, >= 0. */

@@ -11,6 +11,7 @@
 enum { SUN_PROBES = 4, SUN_SAMPLES = 16 };
 
 typedef struct sky_ready {
+    const ncr_directional_map *map;            /* NULL: what follows */
     float zenith[3], to_horizon[3], ground[3]; /* to_horizon: horizon - zenith */
     float a, b, c, d, e;
     float glow_base; /* 1 - c exp(d pi/2) */
@@ -69,8 +70,12 @@ static inline float sky_relative(const sky_ready *s, float cos_z, float cos_chi)
     return !(l > 0) ? 0 : l < most ? l : most;
 }
 
+ncr_vec3 ncr_sky_map_radiance(const ncr_directional_map *map, ncr_vec3 d);
+
 static inline ncr_vec3 sky_radiance(const sky_ready *s, ncr_vec3 d)
 {
+    if (s->map)
+        return ncr_sky_map_radiance(s->map, d);
     if (!(d.z > 0))
         return (ncr_vec3){s->ground[0], s->ground[1], s->ground[2]};
     const float l = sky_relative(s, d.z, v_dot(d, s->sun));

@@ -102,7 +102,9 @@ for method in mirror fresnel:1.5 "prefiltered --lobe phong:20" "fresnel:2 --lobe
 done
 expect 0 "pixels" render $scene --preset quick --method lambert --term recon --object-only -o "$work/far.exr"
 expect 0 "" env --chart -o "$work/chart.exr" --size 32
-expect 0 "pixels" render $scene --preset quick --method mirror --env "$work/chart.exr" -o "$work/far.png"
+expect 0 "pixels" render $scene --preset quick --method mirror --env "$work/chart.exr" --object-only -o "$work/far.png"
+expect 0 "pixels" render $scene --preset quick --method trace --env "$work/chart.exr" -o "$work/lit.exr"
+expect 1 "RMSE" compare "$work/trace.exr" "$work/lit.exr" --max-rmse 5
 expect 0 "pixels" render $scene --preset quick --method prefiltered --lobe phong:50 --filter two-radii --object-only \
     -o "$work/far.exr"
 expect 2 "did you mean hierarchical" render $scene --preset quick --method prefiltered --lobe phong:5 --filter hierachical \
@@ -120,7 +122,7 @@ expect 2 "only Phong" render $scene --preset quick --method prefiltered --lobe g
 expect 2 "needs a lobe" render $scene --preset quick --method prefiltered -o "$work/a.png"
 expect 2 "did you mean phong" render $scene --preset quick --method prefiltered --lobe fong:3 -o "$work/a.png"
 expect 2 "expected ggx:NUMBER" render $scene --preset quick --method prefiltered --lobe ggx -o "$work/a.png"
-expect 2 "does not read distant" render $scene --preset quick --method trace --env "$work/chart.exr" -o "$work/a.png"
+expect 2 "does not read distant" render $scene --preset quick --method distance --env "$work/chart.exr" -o "$work/a.png"
 expect 3 "" render $scene --preset quick --method mirror --env "$work/none.exr" -o "$work/a.png"
 
 # What a plan leaves out is not missed by what it was made for.

@@ -29,6 +29,25 @@ static void open_plane_under_an_even_sky_gets_pi(void **state)
     world_dispose(&w);
 }
 
+/* The sky's own radiance is not looked at. */
+static void a_map_in_place_of_the_sky_lights_as_it_does(void **state)
+{
+    (void)state;
+    ncr_directional_map map;
+    CHECK_STATUS(NCR_OK, ncr_directional_map_init(NULL, NCR_MAP_OCTAHEDRAL, 8, 3, &map));
+    for (size_t k = 0; k < 8 * 8 * 3; k++)
+        map.image.data[k] = 1;
+    ncr_directional_map_seal(&map);
+    const ncr_sky sky = {.zenith = {9, 9, 9}, .ground = {9, 9, 9}, .map = &map};
+    test_world w = {0};
+    const uint32_t floor = world_add_floor(&w, 1, 0, false, world_grey(0.5f));
+    world_close(&w, &sky);
+    world_light(&w, NCR_OPTS(ncr_irradiance_opts, .spacing = 0.25, .rays = 16));
+    CHECK_NEAR(at(&w, floor, 0, 0.3, 0.6), pi, 2e-6);
+    world_dispose(&w);
+    ncr_directional_map_dispose(NULL, &map);
+}
+
 /* Half the sphere of directions shines: E = pi (1 + cos tilt) / 2.                       A-25 */
 static void tilted_plane_sees_its_part_of_the_sky(void **state)
 {
@@ -419,6 +438,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(open_plane_under_an_even_sky_gets_pi),
+        cmocka_unit_test(a_map_in_place_of_the_sky_lights_as_it_does),
         cmocka_unit_test(tilted_plane_sees_its_part_of_the_sky),
         cmocka_unit_test(black_plate_takes_its_share_of_the_sky),
         cmocka_unit_test(lamp_casts_its_form_factor),

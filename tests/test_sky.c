@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 #include "shading/sky.h"
+#include "shading/sky_map.h"
 
 #include "check.h"
 #include "core/numerics.h"
@@ -230,6 +231,78 @@ static void radiance_is_finite_for_wild_shapes(void **state)
     }
 }
 
+/* --- a map for a sky ------------------------------------------------------------------------- */
+
+static const double lamp[3] = {0.48, 0.6, 0.64};
+
+/* Two thirds of a gradient, and a disc of two degrees. */
+static void dusk(const double d[3], void *user, float *out)
+{
+    const double *disc = user;
+    const bool in = d_dot(d, lamp) > cos(2 * pi / 180);
+    for (int c = 0; c < 3; c++)
+        out[c] = (float)(1 + 0.5 * d[c] + (in ? disc[c] : 0));
+}
+
+/* However a map lies, its disc becomes the sun: in place, as large, and no light is lost. */
+static void brightest_light_of_a_map_becomes_the_sun(void **state)
+{
+    (void)state;
+    static const ncr_axes turned[2] = {{{0}}, {{-3, 1, 2}}};
+    double disc[3] = {3000, 2000, 1000};
+    const double angle = 4 * pi * pow(sin(pi / 180), 2);
+    for (int kind = 0; kind < NCR_MAP_KINDS; kind++) {
+        for (int k = 0; k < 2; k++) {
+            ncr_directional_map map, rest;
+            ncr_sky sky;
+            double before[4], after[4], side = 0;
+            CHECK_STATUS(NCR_OK, ncr_directional_map_init(NULL, (ncr_map_kind)kind, 128, 3, &map));
+            map.axes = turned[k];
+            CHECK_STATUS(NCR_OK, ncr_directional_map_fill(NULL, &map, 0, dusk, disc));
+            CHECK_STATUS(NCR_OK, ncr_sky_from_map(NULL, &map, &rest, &sky));
+            assert_ptr_equal(sky.map, &rest);
+            ncr_directional_map_integral(&map, before);
+            ncr_directional_map_integral(&rest, after);
+            for (int c = 0; c < 3; c++) {
+                const double sun = (double)sky.sun_irradiance[c];
+                CHECK_NEAR(after[c] + sun, before[c], 1e-5 * before[c]);
+                CHECK_NEAR(after[c], 4 * pi, 0.02);           /* the disc is gone */
+                CHECK_NEAR(sun, disc[c] * angle, 0.25 * sun); /* of texels at its rim */
+                side += pow((double)sky.sun_direction[c] - lamp[c], 2);
+            }
+            CHECK(sqrt(side) < pi / 128, "kind %d: the sun is %g off", kind, sqrt(side));
+            CHECK_NEAR((double)sky.sun_radius_deg, 2, 0.3);
+            ncr_directional_map_dispose(NULL, &map);
+            ncr_directional_map_dispose(NULL, &rest);
+        }
+    }
+}
+
+/* A map without a light that stands out has no sun, and is the radiance everywhere. */
+static void maps_are_looked_up_by_world_direction(void **state)
+{
+    (void)state;
+    ncr_directional_map map, rest;
+    ncr_sky sky;
+    double none[3] = {0};
+    CHECK_STATUS(NCR_OK, ncr_directional_map_init(NULL, NCR_MAP_LATLONG, 256, 3, &map));
+    map.axes = (ncr_axes){{-3, 1, 2}};
+    CHECK_STATUS(NCR_OK, ncr_directional_map_fill(NULL, &map, 0, dusk, none));
+    map.image.data[0] = -1;
+    CHECK_STATUS(NCR_OK, ncr_sky_from_map(NULL, &map, &rest, &sky));
+    assert_true(sky.sun_irradiance[0] == 0 && rest.image.data[0] == 0);
+    check_random r = {.seed = 17};
+    for (int k = 0; k < 500; k++) {
+        const ncr_vec3 d = direction(check_uniform(&r, -0.9, 0.9), check_uniform(&r, 0, 2 * pi));
+        const ncr_vec3 l = ncr_sky_radiance(&sky, d);
+        CHECK_NEAR((double)l.x, 1 + 0.5 * (double)d.x, 1e-3);
+        CHECK_NEAR((double)l.y, 1 + 0.5 * (double)d.y, 1e-3);
+        CHECK_NEAR((double)l.z, 1 + 0.5 * (double)d.z, 1e-3);
+    }
+    ncr_directional_map_dispose(NULL, &map);
+    ncr_directional_map_dispose(NULL, &rest);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -244,6 +317,8 @@ int main(void)
         cmocka_unit_test(coverage_integrates_to_the_disc),
         cmocka_unit_test(no_sun_means_no_sun),
         cmocka_unit_test(radiance_is_finite_for_wild_shapes),
+        cmocka_unit_test(brightest_light_of_a_map_becomes_the_sun),
+        cmocka_unit_test(maps_are_looked_up_by_world_direction),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
