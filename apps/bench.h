@@ -10,7 +10,7 @@
 #include "apps/stage.h"
 #include "core/cpu_internal.h"
 
-enum { BENCH_RIVALS = 2, BENCH_MAX_TURNS = 301 };
+enum { BENCH_RIVALS = 2, BENCH_MAX_TURNS = 301, BENCH_PARTS = 8 };
 
 /** One side of a race: `run` does the same work each time it is called. */
 typedef struct bench_side {
@@ -32,6 +32,12 @@ typedef struct bench_ratio {
                                  known (see bench_result), how far the rival's is from that */
 } bench_ratio;
 
+/** Errors of one part of a row's work, where they differ much from part to part. */
+typedef struct bench_part {
+    char name[24];
+    double error, rival[BENCH_RIVALS]; /* nacre's, and in the order of the ratios */
+} bench_part;
+
 typedef struct bench_result {
     const char *unit;     /* of rate: what is counted, "points/s" */
     double rate;          /* median over all turns */
@@ -40,6 +46,8 @@ typedef struct bench_result {
     double error;         /* nacre's own */
     size_t ratio_count;
     bench_ratio ratio[BENCH_RIVALS];
+    size_t part_count;
+    bench_part part[BENCH_PARTS];
 } bench_result;
 
 typedef struct bench_set bench_set;

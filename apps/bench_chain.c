@@ -1,13 +1,14 @@
 /* SPDX-License-Identifier: MIT
  * bench_chain.c - a map filtered by GGX lobes of eight widths into cubes, analysis included,
  * against importance sampling: 1024 samples a texel, each looked up in the level of a cube map that
- * its share of the lobe asks for. That is what Filament's cmgen documents of itself; it is not
- * cmgen, which is a program and reads and writes files within its time.
+ * its share of the lobe asks for. That is what Filament's cmgen documents of itself; with --peers
+ * the program is run too.
  *
  * This file follows:
  *   [Karis13]  B. Karis, Real Shading in Unreal Engine 4, 2013
  *   [Colbert07]  M. Colbert, J. Krivanek, GPU-Based Importance Sampling, 2007 */
 #include "apps/bench.h"
+#include "apps/bench_cmgen.h"
 #include "apps/bench_limits.h"
 #include "apps/bench_sky.h"
 #include "shading/prefilter.h"
@@ -35,7 +36,7 @@ typedef struct chain_work {
     lobe_samples *samples;                    /* [lobe_count] */
     double probe[probe_count][3];             /* centres of texels of the cubes */
     const float *at[lobe_count][probe_count]; /* these */
-    float sampled[lobe_count][probe_count][3];
+    float sampled[lobe_count][probe_count][3], cmgen[lobe_count][probe_count][3];
     ncr_status status;
 } chain_work;
 
@@ -193,22 +194,73 @@ static void dispose(chain_work *w)
     ncr_free(ctx, w->samples);
 }
 
-/* Of eight lobes the worst of nacre's, the best of the samples'. */
+/* --- cmgen ------------------------------------------------------------------------------------- */
+
+static ncr_status run_level(chain_work *w, const bench_cmgen *cmgen, int k, double *seconds)
+{
+    ncr_directional_map found;
+    const ncr_status status = bench_cmgen_filter(cmgen, alphas[k], cube_side, &found, seconds);
+    for (int p = 0; status == NCR_OK && p < probe_count; p++) {
+        double own[3];
+        ncr_axes_apply(found.axes, w->probe[p], own);
+        const ncr_map_coord at = ncr_map_from_direction(NCR_MAP_CUBE, own);
+        const float *texel =
+            ncr_directional_map_at(&found, at.part, (uint32_t)(0.5 * (at.s + 1) * cube_side),
+                                   (uint32_t)(0.5 * (at.t + 1) * cube_side));
+        memcpy(w->cmgen[k][p], texel, sizeof w->cmgen[k][p]);
+    }
+    ncr_directional_map_dispose(&w->b->a->ctx, &found);
+    return status;
+}
+
+/* Once, since it takes seconds. */
+static ncr_status race_cmgen(chain_work *w, bench_result *out)
+{
+    bench_cmgen cmgen;
+    double whole = 0, rate;
+    ncr_status status = bench_cmgen_start(&w->b->a->ctx, &w->sky, &cmgen);
+    if (!cmgen.ctx)
+        return status;
+    for (int k = 0; status == NCR_OK && k < lobe_count; k++) {
+        double seconds = 0;
+        status = run_level(w, &cmgen, k, &seconds);
+        whole += seconds;
+    }
+    bench_cmgen_stop(&cmgen);
+    rate = 6.0 * cube_side * cube_side * lobe_count / whole;
+    if (status == NCR_OK)
+        out->ratio[out->ratio_count++] = (bench_ratio){.name = "cmgen",
+                                                       .median = out->rate / rate,
+                                                       .low = out->rate / rate,
+                                                       .high = out->rate / rate,
+                                                       .rate = rate};
+    return status;
+}
+
+/* --- errors ------------------------------------------------------------------------------------ */
+
+/* Of eight lobes the worst of nacre's, the best of the others. */
 static ncr_status find_errors(const chain_work *w, bench_result *out)
 {
     ncr_status status = NCR_OK;
-    out->ratio[0].error = INFINITY;
+    for (size_t i = 0; i < out->ratio_count; i++)
+        out->ratio[i].error = INFINITY;
     for (int k = 0; status == NCR_OK && k < lobe_count; k++) {
         const ncr_lobe lobe = lobe_of(k);
+        bench_part *part = &out->part[out->part_count++];
         double want[probe_count][3];
         float have[probe_count][3];
         for (int p = 0; p < probe_count; p++)
             memcpy(have[p], w->at[k][p], sizeof have[p]);
         status = ncr_prefilter_direct(&w->b->a->ctx, &w->sky.image, &lobe, false, probe_count,
                                       w->probe[0], want[0]);
-        out->error = fmax(out->error, bench_nrmse(3 * probe_count, have[0], want[0]));
-        out->ratio[0].error =
-            fmin(out->ratio[0].error, bench_nrmse(3 * probe_count, w->sampled[k][0], want[0]));
+        snprintf(part->name, sizeof part->name, "alpha %g", alphas[k]);
+        part->error = bench_nrmse(3 * probe_count, have[0], want[0]);
+        part->rival[0] = bench_nrmse(3 * probe_count, w->sampled[k][0], want[0]);
+        part->rival[1] = bench_nrmse(3 * probe_count, w->cmgen[k][0], want[0]);
+        out->error = fmax(out->error, part->error);
+        for (size_t i = 0; i < out->ratio_count; i++)
+            out->ratio[i].error = fmin(out->ratio[i].error, part->rival[i]);
     }
     return status;
 }
@@ -222,7 +274,7 @@ ncr_status bench_ggx_chain(bench *b, bench_result *out)
     out->unit = "texels/s";
     out->truth = true;
     out->error_of = "root mean square over that of the sum over all texels: the worst lobe of "
-                    "nacre's, the best of the samples'";
+                    "nacre's, the best of the others'";
     ncr_status status = prepare(w);
     if (status == NCR_OK)
         status = bench_race(
@@ -230,6 +282,8 @@ ncr_status bench_ggx_chain(bench *b, bench_result *out)
             &(bench_side){"sampled", run_sampled, w, (double)probe_count * lobe_count, NULL}, out);
     if (status == NCR_OK)
         status = w->status;
+    if (status == NCR_OK && b->peers)
+        status = race_cmgen(w, out);
     if (status == NCR_OK)
         status = find_errors(w, out);
     dispose(w);

@@ -77,6 +77,19 @@ static void list_rows(void)
         printf("%-22s %s\n", rows[k].name, rows[k].summary);
 }
 
+static json_t *parts_json(const bench_result *r)
+{
+    json_t *out = json_array();
+    for (size_t k = 0; k < r->part_count; k++) {
+        json_t *errors = json_object();
+        for (size_t i = 0; i < r->ratio_count; i++)
+            json_object_set_new(errors, r->ratio[i].name, json_real(r->part[k].rival[i]));
+        json_array_append_new(out, json_pack("{s:s, s:f, s:o}", "name", r->part[k].name, "error",
+                                             r->part[k].error, "errors", errors));
+    }
+    return out;
+}
+
 static json_t *result_json(const char *name, const bench *b, const bench_result *r)
 {
     json_t *ratio = json_object(), *quartiles = json_object();
@@ -91,10 +104,13 @@ static json_t *result_json(const char *name, const bench *b, const bench_result 
         if (!r->truth)
             error = fmax(error, x->error);
     }
-    return json_pack("{s:s, s:f, s:s, s:f, s:s, s:o, s:o, s:o, s:o, s:i}", "name", name, "rate",
-                     r->rate, "unit", r->unit, "error", error, "error_of", r->error_of, "ratio",
-                     ratio, "quartiles", quartiles, "rates", rates, "errors", errors, "turns",
-                     (int)b->turns);
+    json_t *out =
+        json_pack("{s:s, s:f, s:s, s:f, s:s, s:o, s:o, s:o, s:o, s:i}", "name", name, "rate",
+                  r->rate, "unit", r->unit, "error", error, "error_of", r->error_of, "ratio", ratio,
+                  "quartiles", quartiles, "rates", rates, "errors", errors, "turns", (int)b->turns);
+    if (r->part_count)
+        json_object_set_new(out, "parts", parts_json(r));
+    return out;
 }
 
 static void say_result(const app *a, const char *name, const bench_result *r)
@@ -115,6 +131,18 @@ static void say_result(const app *a, const char *name, const bench_result *r)
     app_say(a, "%-22s %9.4g %-9s%s", name, r->rate, r->unit, ratios);
 }
 
+static void say_parts(const app *a, const bench_result *r)
+{
+    for (size_t k = 0; k < r->part_count; k++) {
+        char rivals[128] = "";
+        size_t used = 0;
+        for (size_t i = 0; i < r->ratio_count && used < sizeof rivals; i++)
+            used += (size_t)snprintf(rivals + used, sizeof rivals - used, "  %s %.2g",
+                                     r->ratio[i].name, r->part[k].rival[i]);
+        app_say(a, "    %-18s error %.2g%s", r->part[k].name, r->part[k].error, rivals);
+    }
+}
+
 static ncr_status run_row(const bench_options *o, bench *b, const bench_row *row, json_t *results)
 {
     bench_result r = {0};
@@ -123,6 +151,7 @@ static ncr_status run_row(const bench_options *o, bench *b, const bench_row *row
     if (status != NCR_OK)
         return status;
     say_result(b->a, row->name, &r);
+    say_parts(b->a, &r);
     json_array_append_new(results, result_json(row->name, b, &r));
     return NCR_OK;
 }
