@@ -52,7 +52,7 @@ static void run(void *user)
     const ncr_lobe sharpest = lobe_of(0);
     ncr_prefilter *prefilter = NULL;
     w->status = ncr_prefilter_create_map(
-        ctx, &w->sky, NCR_OPTS(ncr_prefilter_opts, .sharpest = &sharpest, .tolerance = 1e-5),
+        ctx, &w->sky, NCR_OPTS(ncr_prefilter_opts, .sharpest = &sharpest, .tolerance = 5e-5),
         &prefilter);
     for (int k = 0; w->status == NCR_OK && k < lobe_count; k++) {
         const ncr_lobe lobe = lobe_of(k);

@@ -49,33 +49,50 @@ static void find_places(const ncr_sphere_grid *grid, size_t count, const ncr_vec
     }
 }
 
-/* The 8 weights as polynomials in s in [-1,1], `terms` of them, highest first. */
-ALWAYS vf polynomial(const float *coefficient, size_t stride, vf s)
+enum { GRID_GROUP = 4, GRID_PARTS = 4 * NCR_GRID_TAPS / LANES }; /* directions weighed at once */
+
+/* The 8 weights as polynomials in s in [-1,1], highest power first, for a group of directions: what
+ * takes time is reading the coefficients. */
+ALWAYS void polynomials(const float *coefficient, size_t stride, const vf s[GRID_GROUP],
+                        vf sum[GRID_GROUP])
 {
-    vf sum = vf_load(coefficient);
-    for (int k = 1; k < NCR_GRID_TERMS; k++)
-        sum = vf_mad(sum, s, vf_load(coefficient + (size_t)k * stride));
-    return sum;
+    for (int i = 0; i < GRID_GROUP; i++)
+        sum[i] = vf_load(coefficient);
+    for (int k = 1; k < NCR_GRID_TERMS; k++) {
+        const vf next = vf_load(coefficient + (size_t)k * stride);
+        for (int i = 0; i < GRID_GROUP; i++)
+            sum[i] = vf_mad(sum[i], s[i], next);
+    }
 }
 
 /* What one direction's neighbours weigh. */
 typedef struct grid_weights {
     size_t offset; /* of the first texel, in floats */
-    vf wide[4 * NCR_GRID_TAPS / LANES];
+    vf wide[GRID_PARTS];
     float tall[16];
 } grid_weights;
 
-ALWAYS void weigh(const ncr_sphere_grid *grid, float x, float y, grid_weights *out)
+ALWAYS void weigh(const ncr_sphere_grid *grid, const float x[GRID_GROUP], const float y[GRID_GROUP],
+                  grid_weights out[GRID_GROUP])
 {
-    enum { row = 4 * NCR_GRID_TAPS, parts = row / LANES };
-    const float left = floorf(x), top = floorf(y);
-    const vf sx = vf_all(2 * (x - left) - 1), sy = vf_all(2 * (y - top) - 1);
-    /* Texel left - 3 is NCR_GRID_BORDER - 3 from the corner. */
-    out->offset = (size_t)((int)top + 1) * grid->stride + (size_t)((int)left + 1) * 4;
-    for (int i = 0; i < NCR_GRID_TAPS; i += LANES)
-        vf_store(out->tall + i, polynomial(grid->tall + i, 16, sy));
-    for (int j = 0; j < parts; j++)
-        out->wide[j] = polynomial(grid->wide + j * LANES, row, sx);
+    vf sx[GRID_GROUP], sy[GRID_GROUP], sum[GRID_GROUP];
+    for (int i = 0; i < GRID_GROUP; i++) {
+        const float left = floorf(x[i]), top = floorf(y[i]);
+        sx[i] = vf_all(2 * (x[i] - left) - 1);
+        sy[i] = vf_all(2 * (y[i] - top) - 1);
+        /* Texel left - 3 is NCR_GRID_BORDER - 3 from the corner. */
+        out[i].offset = (size_t)((int)top + 1) * grid->stride + (size_t)((int)left + 1) * 4;
+    }
+    for (int j = 0; j < NCR_GRID_TAPS; j += LANES) {
+        polynomials(grid->tall + j, 16, sy, sum);
+        for (int i = 0; i < GRID_GROUP; i++)
+            vf_store(out[i].tall + j, sum[i]);
+    }
+    for (int j = 0; j < GRID_PARTS; j++) {
+        polynomials(grid->wide + j * LANES, 4 * NCR_GRID_TAPS, sx, sum);
+        for (int i = 0; i < GRID_GROUP; i++)
+            out[i].wide[j] = sum[i];
+    }
 }
 
 typedef float texel_value __attribute__((vector_size(16)));
@@ -91,45 +108,56 @@ ALWAYS void store_texel(vf texels, float *out)
 }
 
 /* Rows are blended first, eight texels of four channels at once, then the texels. */
+ALWAYS void blend(const ncr_sphere_grid *grid, const grid_weights *w, float *out)
+{
+    const float *at = grid->data + w->offset;
+    vf sum[GRID_PARTS] = {{0}}, total = {0};
+    for (int i = 0; i < NCR_GRID_TAPS; i++, at += grid->stride)
+        for (int j = 0; j < GRID_PARTS; j++)
+            sum[j] = vf_mad(vf_all(w->tall[i]), vf_load(at + j * LANES), sum[j]);
+    for (int j = 0; j < GRID_PARTS; j++)
+        total = vf_mad(w->wide[j], sum[j], total);
+    store_texel(total, out);
+}
+
 static void sample_grid(const ncr_sphere_grid *grid, size_t count, const ncr_vec3 *directions,
                         float *out)
 {
-    enum { parts = 4 * NCR_GRID_TAPS / LANES };
     grid_places places;
     find_places(grid, count, directions, &places);
-    for (size_t k = 0; k < count; k++) {
-        grid_weights w;
-        weigh(grid, places.x[k], places.y[k], &w);
-        const float *at = grid->data + w.offset;
-        vf sum[parts] = {{0}}, total = {0};
-        for (int i = 0; i < NCR_GRID_TAPS; i++, at += grid->stride)
-            for (int j = 0; j < parts; j++)
-                sum[j] = vf_mad(vf_all(w.tall[i]), vf_load(at + j * LANES), sum[j]);
-        for (int j = 0; j < parts; j++)
-            total = vf_mad(w.wide[j], sum[j], total);
-        store_texel(total, out + 4 * k);
+    for (size_t k = 0; k < count; k += GRID_GROUP) {
+        grid_weights w[GRID_GROUP];
+        weigh(grid, places.x + k, places.y + k, w);
+        for (size_t i = 0; i < GRID_GROUP && k + i < count; i++)
+            blend(grid, &w[i], out + 4 * (k + i));
     }
+}
+
+/* The transpose. */
+ALWAYS void hand_out(const ncr_sphere_grid *grid, grid_weights *w, const float *value, float *data)
+{
+    float four[LANES];
+    for (int i = 0; i < LANES; i++)
+        four[i] = value[i % 4];
+    for (int j = 0; j < GRID_PARTS; j++)
+        w->wide[j] *= vf_load(four);
+    float *at = data + w->offset;
+    for (int i = 0; i < NCR_GRID_TAPS; i++, at += grid->stride)
+        for (int j = 0; j < GRID_PARTS; j++)
+            vf_store(at + j * LANES,
+                     vf_mad(vf_all(w->tall[i]), w->wide[j], vf_load(at + j * LANES)));
 }
 
 static void scatter_grid(const ncr_sphere_grid *grid, float *data, size_t count,
                          const ncr_vec3 *directions, const float *values)
 {
-    enum { parts = 4 * NCR_GRID_TAPS / LANES };
     grid_places places;
     find_places(grid, count, directions, &places);
-    for (size_t k = 0; k < count; k++) {
-        grid_weights w;
-        float four[LANES];
-        weigh(grid, places.x[k], places.y[k], &w);
-        for (int i = 0; i < LANES; i++)
-            four[i] = values[4 * k + (size_t)(i % 4)];
-        for (int j = 0; j < parts; j++)
-            w.wide[j] *= vf_load(four);
-        float *at = data + w.offset;
-        for (int i = 0; i < NCR_GRID_TAPS; i++, at += grid->stride)
-            for (int j = 0; j < parts; j++)
-                vf_store(at + j * LANES,
-                         vf_mad(vf_all(w.tall[i]), w.wide[j], vf_load(at + j * LANES)));
+    for (size_t k = 0; k < count; k += GRID_GROUP) {
+        grid_weights w[GRID_GROUP];
+        weigh(grid, places.x + k, places.y + k, w);
+        for (size_t i = 0; i < GRID_GROUP && k + i < count; i++)
+            hand_out(grid, &w[i], values + 4 * (k + i), data);
     }
 }
 

@@ -68,6 +68,20 @@ static void seal_sphere(ncr_directional_map *map)
     }
 }
 
+/* Bilinear among four texels that all lie on the disc. */
+static void look_deep(const ncr_directional_map *map, uint32_t part, const ncr_map_tap *p,
+                      float *out)
+{
+    const uint32_t channels = map->image.channels;
+    const float *above = ncr_directional_map_at(map, part, (uint32_t)p->x, (uint32_t)p->y);
+    const float *below = above + (size_t)map->image.width * channels;
+    for (uint32_t c = 0; c < channels; c++) {
+        const float top = above[c] + p->fx * (above[channels + c] - above[c]);
+        const float bottom = below[c] + p->fx * (below[channels + c] - below[c]);
+        out[c] = top + p->fy * (bottom - top);
+    }
+}
+
 /* Bilinear among those of four texels of a half that touch its disc; at least one does. */
 static void look_inside(const ncr_directional_map *map, uint32_t part, double s, double t,
                         float *out)
@@ -76,14 +90,17 @@ static void look_inside(const ncr_directional_map *map, uint32_t part, double s,
     const uint32_t channels = map->image.channels;
     const ncr_map_tap p = ncr_map_tap_at(map, s, t);
     const double rim = 1 - 4.0 / map->size; /* two texels inside it there is none beyond it */
-    const bool deep = rim > 0 && s * s + t * t < rim * rim;
+    if (rim > 0 && s * s + t * t < rim * rim) {
+        look_deep(map, part, &p, out);
+        return;
+    }
     const double fx = (double)p.fx, fy = (double)p.fy;
     double sum[NCR_MAP_CHANNELS] = {0}, weight = 0;
     for (int k = 0; k < 4; k++) {
         const int32_t x = p.x + (k & 1), y = p.y + (k >> 1);
         const double w = (k & 1 ? fx : 1 - fx) * (k & 2 ? fy : 1 - fy);
-        if (!deep && (x < 0 || y < 0 || x > last || y > last || w <= 0 ||
-                      beyond_disc(map->size, (uint32_t)x, (uint32_t)y)))
+        if (x < 0 || y < 0 || x > last || y > last || w <= 0 ||
+            beyond_disc(map->size, (uint32_t)x, (uint32_t)y))
             continue;
         const float *texel = ncr_image_at(&map->image, part * map->size + (uint32_t)x, (uint32_t)y);
         for (uint32_t c = 0; c < channels; c++)

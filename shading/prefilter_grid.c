@@ -15,7 +15,7 @@
  * an eighth of it, and 5e-8 of a constant; most of what a lobe leaves is there. */
 
 static const double pi = 3.14159265358979323846;
-static const double grid_band = 1.0 / 3, grid_emphasis = 10, negligible = 1e-7;
+static const double grid_band = 1.0 / 3, grid_emphasis = 10, negligible = 1e-5;
 
 struct ncr_prefilter_grid {
     ncr_sphere_grid grid;
@@ -82,7 +82,8 @@ static double degree_power(const ncr_prefilter *p, uint32_t l)
     return (at[0] + at[1]) + (at[2] + at[3]);
 }
 
-/* Degrees whose filtered power is below 1e-14 of the whole need no finer grid. */
+/* Degrees that together hold less than 1e-5 of the filtered map, as root mean squares go, need no
+ * finer grid: they are on it too, and between its texels they come out to some hundredths. */
 static uint32_t highest_degree(const ncr_prefilter *p, const ncr_filter *filter)
 {
     double whole = 0, above = 0;
@@ -97,13 +98,14 @@ static uint32_t highest_degree(const ncr_prefilter *p, const ncr_filter *filter)
     return last;
 }
 
-static double resampling_error(const ncr_prefilter *p, const ncr_filter *filter, uint32_t last,
-                               uint32_t height)
+static double resampling_error(const ncr_prefilter *p, const ncr_filter *filter, uint32_t height)
 {
     ncr_taps_solver solver;
     double square = 0;
     ncr_taps_prepare(NCR_GRID_TAPS, grid_band, grid_emphasis, &solver);
-    for (uint32_t l = 0; l <= last; l++) {
+    for (uint32_t l = 0; l <= filter->band_limit; l++) {
+        if (filter->lambda[l] == 0)
+            continue;
         const double error = ncr_taps_error_at(&solver, (double)l / height);
         square += 2 * error * error * filter->lambda[l] * filter->lambda[l] * degree_power(p, l);
     }
@@ -179,7 +181,7 @@ static ncr_status fill_grid(const ncr_ctx *ctx, const ncr_prefilter *p, const nc
                             const ncr_prefilter_output *opts, const ncr_filter *filter,
                             ncr_prefilter_grid *g, ncr_prefilter_report *report)
 {
-    const uint32_t last = highest_degree(p, filter), height = ncr_grid_height(last);
+    const uint32_t height = ncr_grid_height(highest_degree(p, filter));
     ncr_status status = fill_texels(ctx, p, filter, height, &g->texels);
     if (status)
         return status;
@@ -200,7 +202,7 @@ static ncr_status fill_grid(const ncr_ctx *ctx, const ncr_prefilter *p, const nc
         status = copy_points(ctx, p, lobe, filter->integral, g);
     if (!status && report) {
         status = ncr_filter_report(ctx, p, lobe, filter, report);
-        report->resampling = resampling_error(p, filter, last, height);
+        report->resampling = resampling_error(p, filter, height);
     }
     return status;
 }
