@@ -8,6 +8,7 @@
 typedef struct prefilter_options {
     app common;
     const char *in, *out, *lobe, *kind, *from, *convention, *from_up, *up, *window, *view, *eta;
+    const char *split_sum;
     uint32_t size, levels, order, probes;
     double tolerance, peel, exposure;
     bool half, single, rgb9e5, positive, no_peel, lights_apart, same_size, harmonics;

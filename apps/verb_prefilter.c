@@ -2,6 +2,7 @@
  * verb_prefilter.c - nacre prefilter: environment maps filtered by lobes, to a stated tolerance. */
 #include "apps/map_words.h"
 #include "apps/prefilter_job.h"
+#include "apps/split_sum.h"
 #include "apps/verbs.h"
 
 #include <math.h>
@@ -144,9 +145,18 @@ static int finish(prefilter_job *job)
     return status == NCR_OK && !met ? EXIT_UNMET : app_exit_code(status);
 }
 
+static int make_table(const prefilter_options *o, bool map)
+{
+    const app *a = &o->common;
+    return app_exit_code(
+        map ? ncr_fail(&a->ctx, NCR_E_ARG, "--split-sum makes a table of facets and takes no MAP")
+            : split_sum_write(a, o->split_sum, o->size ? o->size : 128, o->out));
+}
+
 int verb_prefilter(int argc, char **argv)
 {
     prefilter_options o = {.tolerance = 1e-3};
+    size_t words = 0;
     const option options[] = {
         {"--output", 'o', OPTION_TEXT, &o.out, "OUT",
          "file to write: .exr, .hdr, .png, .ktx2; # is the level"},
@@ -175,6 +185,8 @@ int verb_prefilter(int argc, char **argv)
         {"--lights-apart", 0, OPTION_FLAG, &o.lights_apart, NULL,
          "leave those lights out of OUT; --json lists them"},
         {"--order", 0, OPTION_COUNT, &o.order, "L", "this band limit, whatever the tolerance says"},
+        {"--split-sum", 0, OPTION_TEXT, &o.split_sum, "FACETS",
+         "no MAP: the table of scale, bias and lost light by n.v and roughness: ggx, beckmann"},
         {"--probes", 0, OPTION_COUNT, &o.probes, "N",
          "directions in which the error is measured (default 16 to 256)"},
         {"--from", 0, OPTION_TEXT, &o.from, "CONVENTION",
@@ -189,7 +201,8 @@ int verb_prefilter(int argc, char **argv)
         APP_OPTIONS(&o.common),
     };
     const command_line line = {
-        .usage = "nacre prefilter MAP -o OUT [options]",
+        .usage = "nacre prefilter MAP -o OUT [options]\n"
+                 "       nacre prefilter --split-sum FACETS -o OUT [--size N]",
         .summary = "Filter an environment map by a lobe, and measure the error.",
         .example =
             "nacre prefilter sunset.hdr --from usd --from-up y --lobe phong:50 -o gloss.exr\n"
@@ -197,13 +210,20 @@ int verb_prefilter(int argc, char **argv)
             "  nacre prefilter sky.exr --harmonics --window hann --json",
         .options = options,
         .word_count = 1,
+        .word_total = &words,
         .word_names = {"MAP"},
         .words = &o.in,
     };
     const parse_result parsed = command_line_parse(&line, argc, argv);
     if (parsed != PARSE_OK)
         return parsed == PARSE_HELP ? EXIT_DONE : EXIT_USAGE;
+    if (!words && !o.split_sum)
+        return command_line_missing("MAP");
+    if (o.split_sum && !o.out)
+        return command_line_missing("-o OUT");
     app_begin(&o.common);
+    if (o.split_sum)
+        return make_table(&o, words > 0);
     prefilter_job job = {.o = &o, .tolerance = o.tolerance};
     return finish(&job);
 }

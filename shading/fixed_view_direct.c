@@ -51,6 +51,23 @@ static double reflectance(const ncr_gloss *gloss, const double v[3], const doubl
            ncr_microfacet_eval(&gloss->facets, v, l);
 }
 
+void ncr_fixed_view_add_points(const ncr_gloss *gloss, const double n[3], const double v[3],
+                               size_t count, const ncr_light_point *points, uint32_t channels,
+                               float *value)
+{
+    const basis local = basis_of(n);
+    double eye[3], l[3], sum[4] = {0};
+    to_local(&local, v, eye);
+    for (size_t k = 0; k < count; k++) {
+        to_local(&local, points[k].direction, l);
+        const double f = l[2] > 0 ? reflectance(gloss, eye, l) : 0;
+        for (uint32_t c = 0; c < channels; c++)
+            sum[c] += f * points[k].power[c];
+    }
+    for (uint32_t c = 0; c < channels; c++)
+        value[c] = (float)((double)value[c] + sum[c]);
+}
+
 static void sum_texels(const direct_job *job, const double n[3], double *out)
 {
     const ncr_image *map = job->map;

@@ -5,6 +5,7 @@
 
 #include "shading/fixed_view.h"
 #include "shading/harmonics_kernel_internal.h"
+#include "shading/prefilter_internal.h"
 
 /* Normals n and half-vectors h both stand on `rows` rings about the eye, `width` places on each,
  * as `grid` says: evenly, but closer and closer toward the horizon. */
@@ -30,9 +31,17 @@ typedef struct ncr_eye_frame {
 
 ncr_eye_frame ncr_eye_frame_of(ncr_vec3 view);
 
-/* Add up the texels of a map at their half-vectors: rows[row][column][channel], cleared first. */
+/* Add up the texels of a map, without those points of light, at their half-vectors:
+ * rows[row][column][channel], cleared first. */
 ncr_status ncr_fixed_view_gather(const ncr_ctx *ctx, const ncr_fixed_view *fixed,
-                                 const ncr_image *map, const ncr_eye_frame *frame, float *rows);
+                                 const ncr_image *map, const ncr_eye_frame *frame,
+                                 size_t point_count, const ncr_light_point *points, float *rows);
+
+/* What a surface of unit normal n sends toward the eye at v of light from `points`, added to
+ * value[channel]: all unit, along one frame. */
+void ncr_fixed_view_add_points(const ncr_gloss *gloss, const double n[3], const double v[3],
+                               size_t count, const ncr_light_point *points, uint32_t channels,
+                               float *value);
 
 /* The sharp path: facets summed for each normal. */
 ncr_status ncr_fixed_view_facets(const ncr_ctx *ctx, const ncr_fixed_view *fixed,

@@ -19,8 +19,9 @@ typedef struct gather_job {
     const ncr_eye_frame *frame;
     const double *area; /* [height] of one texel of each row */
     const float *turns; /* [width][2] cos and sin of phi */
-    size_t grid_floats;
-    float *grids; /* [parts] */
+    size_t grid_floats, point_count;
+    const ncr_light_point *points; /* taken out again, of the first part */
+    float *grids;                  /* [parts] */
     float *rows;
 } gather_job;
 
@@ -72,6 +73,17 @@ static void gather_part(const gather_job *job, size_t part)
             }
         }
     }
+    for (size_t k = 0; part == 0 && k < job->point_count; k++) {
+        const ncr_vec3 d = d_to_v(job->points[k].direction);
+        float power[4];
+        for (int c = 0; c < 4; c++)
+            power[c] = (float)job->points[k].power[c];
+        add_texel(job, (const float[3]){d.x, d.y, d.z}, power, -1, &b);
+        if (b.count == NCR_GRID_BATCH) {
+            kernels->scatter_grid(&job->fixed->grid, data, b.count, b.half, b.value[0]);
+            b.count = 0;
+        }
+    }
     kernels->scatter_grid(&job->fixed->grid, data, b.count, b.half, b.value[0]);
 }
 
@@ -113,9 +125,15 @@ static void fold_rows(size_t first, size_t past, unsigned worker, void *arg)
 }
 
 ncr_status ncr_fixed_view_gather(const ncr_ctx *ctx, const ncr_fixed_view *f, const ncr_image *map,
-                                 const ncr_eye_frame *frame, float *rows)
+                                 const ncr_eye_frame *frame, size_t point_count,
+                                 const ncr_light_point *points, float *rows)
 {
-    gather_job job = {.fixed = f, .map = map, .frame = frame, .rows = rows};
+    gather_job job = {.fixed = f,
+                      .map = map,
+                      .frame = frame,
+                      .point_count = point_count,
+                      .points = points,
+                      .rows = rows};
     job.grid_floats = f->grid.stride * (f->rows + 2 * NCR_GRID_BORDER);
     double *area = ncr_alloc(ctx, map->height * sizeof *area);
     float *turns = ncr_alloc(ctx, 2 * (size_t)map->width * sizeof *turns);

@@ -6,9 +6,13 @@
 #include <string.h>
 
 /* One view: light is brought to half-vectors, transformed along each ring, multiplied by the matrix
- * of its frequency, transformed back, and looked up at the normals. */
+ * of its frequency, transformed back, and looked up at the normals.
+ *
+ * Near grazing what a surface reflects of a sun changes faster than any grid could tell. Lights with
+ * more than a hundredth of the power are left out of the grid and added at each normal by themselves. */
 
 static const double pi = 3.14159265358979323846;
+static const double bright_share = 0.01;
 
 ncr_eye_frame ncr_eye_frame_of(ncr_vec3 view)
 {
@@ -28,6 +32,7 @@ typedef struct render_job {
     const ncr_eye_frame *frame;
     const ncr_vec3 *normals;
     float *out;
+    ncr_prefilter lights; /* nothing but its points */
 } render_job;
 
 static void transform_light(size_t first, size_t past, unsigned worker, void *arg)
@@ -132,6 +137,17 @@ static void value_at(const render_job *job, const double n[3], float *out)
     }
 }
 
+static void add_points(const render_job *job, ncr_vec3 normal, float *out)
+{
+    double n[3], v[3];
+    for (int i = 0; i < 3; i++)
+        v[i] = (double)job->frame->axis[2][i];
+    v_to_d(normal, n);
+    if (d_normalize(n) && d_normalize(v))
+        ncr_fixed_view_add_points(&job->fixed->gloss, n, v, job->lights.point_count,
+                                  job->lights.points, job->channels, out);
+}
+
 static void look_up(size_t first, size_t past, unsigned worker, void *arg)
 {
     const render_job *job = arg;
@@ -145,11 +161,25 @@ static void look_up(size_t first, size_t past, unsigned worker, void *arg)
             n[i] = (double)axis[0] * (double)at.x + (double)axis[1] * (double)at.y +
                    (double)axis[2] * (double)at.z;
         }
-        if (n[2] > 0)
+        if (n[2] > 0) {
             value_at(job, n, out);
-        else
+            if (job->lights.point_count)
+                add_points(job, at, out);
+        } else {
             memset(out, 0, job->channels * sizeof *out);
+        }
     }
+}
+
+static ncr_status find_lights(const ncr_ctx *ctx, const ncr_image *map, ncr_prefilter *lights)
+{
+    ncr_texels texels = {0};
+    double square;
+    ncr_status status = ncr_texels_of_image(ctx, map, false, &texels);
+    if (!status)
+        status = ncr_prefilter_peel(ctx, &texels, bright_share, false, lights, &square);
+    ncr_texels_dispose(ctx, &texels);
+    return status;
 }
 
 static ncr_status render(const ncr_ctx *ctx, render_job *job, const ncr_image *map, size_t count)
@@ -157,7 +187,10 @@ static ncr_status render(const ncr_ctx *ctx, render_job *job, const ncr_image *m
     const ncr_fixed_view *f = job->fixed;
     const uint32_t lanes = ncr_sht_kernels_get()->lanes;
     const size_t batches = (job->set.pairs + lanes - 1) / lanes;
-    ncr_status status = ncr_fixed_view_gather(ctx, f, map, job->frame, job->set.data);
+    ncr_status status = find_lights(ctx, map, &job->lights);
+    if (!status)
+        status = ncr_fixed_view_gather(ctx, f, map, job->frame, job->lights.point_count,
+                                       job->lights.points, job->set.data);
     if (!status)
         status = ncr_parallel_for(ctx, batches, 1, transform_light, job);
     if (!status)
@@ -194,5 +227,6 @@ ncr_status ncr_fixed_view_render(const ncr_ctx *ctx, const ncr_fixed_view *f, co
     ncr_free(ctx, job.set.spectrum);
     ncr_free(ctx, job.set.data);
     ncr_free(ctx, job.vectors);
+    ncr_free(ctx, job.lights.points);
     return status;
 }

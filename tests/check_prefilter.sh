@@ -105,6 +105,16 @@ for k in 0 1 2; do
     expect 0 "image 8x48" info "$work/level-$k.hdr"
 done
 
+# The table that goes with a chain: in an even room scale and bias are the albedo, and the third makes it 1.
+expect 0 "single scattering" prefilter --split-sum ggx --size 16 --json -o "$work/table.exr"
+holds '.split_sum.size == 16 and .split_sum.least_albedo > 0.3 and .split_sum.least_albedo < 0.7'
+read -r scale bias lost < <(oiiotool "$work/table.exr" --crop 1x1+8+12 --printstats | sed -n 's/.*Stats Avg: *\(.*\) (float).*/\1/p') ||
+    true
+awk -v s="$scale" -v b="$bias" -v l="$lost" 'BEGIN { e = (s + b) * (1 + l) - 1; exit !(s > 0 && b > 0 && e * e < 1e-10) }' ||
+    { echo "the table does not give back all light: $scale $bias $lost" >&2; failures=$((failures + 1)); }
+expect 2 "expected ggx or beckmann" prefilter --split-sum phong -o "$work/t.exr"
+expect 2 "takes no MAP" prefilter "$map" --split-sum ggx -o "$work/t.exr"
+
 # One eye.
 expect 0 "rms over rms" prefilter "$map" --view 0,-1,0.3 --lobe cook-torrance:0.3 --eta 1.5 --json -o "$work/a.exr"
 holds '.levels[0].nrmse <= 1e-3 and .met'

@@ -102,6 +102,46 @@ static void every_gloss_agrees_with_brute_force(void **state)
     ncr_image_dispose(NULL, &map);
 }
 
+/* A small sun nearly behind what is looked at: near grazing its highlight changes from one ring of
+ * normals to the next by more than a grid of them can tell. */
+static void a_sun_near_grazing_is_seen_exactly(void **state)
+{
+    (void)state;
+    static const ncr_gloss glosses[] = {
+        {{NCR_FACETS_BECKMANN, NCR_SHADOWING_VCAVITY, 0.3}, {0, 0}},
+        {{NCR_FACETS_GGX, NCR_SHADOWING_SMITH, 0.3}, {1.5, 0}},
+    };
+    enum { w = 256 };
+    ncr_image map = make_map(w, smooth_light);
+    const uint32_t x = (uint32_t)(atan2(0.48, -0.36) / (2 * pi) * w) + 3, y = w / 2 - w / 9;
+    for (int k = 0; k < 12; k++)
+        ncr_image_at(&map, x + (uint32_t)k / 6, y + (uint32_t)(k / 3) % 2)[k % 3] = 3e4f;
+    double n[probes][3], want[probes][3];
+    ncr_vec3 f[probes];
+    float got[probes][3];
+    for (uint64_t k = 0; k < probes; k++) { /* n.v from 1e-4 to 0.3, all around the eye */
+        const double c = 0.3 * pow(10, -3.5 * ncr_uniform(k, 3)), phi = 2 * pi * ncr_uniform(k, 4);
+        const double a[3] = {0.8, 0.6, 0}, b[3] = {-0.48, 0.64, 0.6};
+        for (int i = 0; i < 3; i++)
+            n[k][i] = c * eye[i] + sqrt(1 - c * c) * (cos(phi) * a[i] + sin(phi) * b[i]);
+        f[k] = (ncr_vec3){(float)n[k][0], (float)n[k][1], (float)n[k][2]};
+    }
+    for (size_t g = 0; g < 2; g++) {
+        ncr_fixed_view *fixed = fixed_view_of(&glosses[g]);
+        double most = 0, error = 0;
+        CHECK_STATUS(NCR_OK, ncr_fixed_view_render(NULL, fixed, &map, eye_f, probes, f, got[0]));
+        CHECK_STATUS(NCR_OK,
+                     ncr_fixed_view_direct(NULL, &glosses[g], &map, eye, probes, n[0], want[0]));
+        for (int k = 0; k < 3 * probes; k++) {
+            error = fmax(error, fabs((double)got[k / 3][k % 3] - want[k / 3][k % 3]));
+            most = fmax(most, want[k / 3][k % 3]);
+        }
+        CHECK(error < 5e-5 * most, "gloss %zu: %g of %g", g, error, most);
+        ncr_fixed_view_destroy(NULL, fixed);
+    }
+    ncr_image_dispose(NULL, &map);
+}
+
 static double one(const double d[3], int c)
 {
     (void)d;
@@ -302,6 +342,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(every_gloss_agrees_with_brute_force),
+        cmocka_unit_test(a_sun_near_grazing_is_seen_exactly),
         cmocka_unit_test(a_constant_room_shows_the_albedo),
         cmocka_unit_test(smooth_facets_show_the_mirror_image),
         cmocka_unit_test(every_processor_scatters_as_it_samples),

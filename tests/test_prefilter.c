@@ -3,6 +3,7 @@
 #include "starved.h"
 
 #include "core/cpu_internal.h"
+#include "shading/area_light_internal.h"
 #include "shading/harmonics_kernel_internal.h"
 #include "shading/prefilter.h"
 #include "shading/prefilter_internal.h"
@@ -156,8 +157,8 @@ static void each_harmonic_comes_out_times_its_eigenvalue(void **state)
     static const double exponents[] = {1, 10, 100.5};
     for (size_t k = 0; k < 3; k++) {
         const ncr_lobe lobe = {.kind = NCR_LOBE_PHONG, .parameter = exponents[k]};
-        for (uint32_t l = 0; l <= 8; l += 2)
-            for (int32_t m = -(int32_t)l; m <= (int32_t)l; m += 3)
+        for (uint32_t l = 0; l <= 8; l++)
+            for (int32_t m = -(int32_t)l; m <= (int32_t)l; m++)
                 CHECK_NEAR(error_of_one_harmonic(64, l, m, &lobe, false), 0, 1e-6);
     }
     const double coarse = error_of_one_harmonic(24, 4, 0, &several[1], true);
@@ -167,6 +168,56 @@ static void each_harmonic_comes_out_times_its_eigenvalue(void **state)
 
 /* a cube of six colours, in units of irradiance / pi. */
 static const double faces[6] = {1, 2, 4, 8, 16, 32};
+
+static double six_colours_along(int axis)
+{
+    const double ahead = 4 / sqrt(2.0) * atan(1 / sqrt(2.0)), beside = (pi - ahead) / 4;
+    double sum = 0;
+    for (int f = 0; f < 6; f++)
+        sum += faces[f] / pi * (f == axis ? ahead : f / 2 == axis / 2 ? 0 : beside);
+    return sum;
+}
+
+/* The faces as lamps about the middle of a room. */
+static void six_lamps_give_the_known_irradiance(void **state)
+{
+    (void)state;
+    for (int k = 0; k < 6; k++) {
+        double sum = 0, normal[3] = {0};
+        normal[k / 2] = k % 2 ? -1 : 1;
+        for (int f = 0; f < 6; f++) {
+            const int i = f / 2, j = (i + 1) % 3, l = (i + 2) % 3;
+            const double side = f % 2 ? -1 : 1;
+            ncr_area_light lamp = {0};
+            lamp.corner[i] = side, lamp.corner[j] = lamp.corner[l] = -1;
+            lamp.edge_u[f % 2 ? j : l] = 2, lamp.edge_v[f % 2 ? l : j] = 2;
+            sum += faces[f] / pi *
+                   ncr_area_light_irradiance(&lamp, (const double[3]){0, 0, 0}, normal);
+        }
+        CHECK_NEAR(sum, six_colours_along(k), 1e-10 * sum);
+    }
+}
+
+/* One face alight, by the texels of a cube map, each of its solid angle. */
+static void texels_of_one_face_give_the_known_irradiance(void **state)
+{
+    (void)state;
+    enum { n = 256 };
+    const double ahead = 4 / sqrt(2.0) * atan(1 / sqrt(2.0)), beside = (pi - ahead) / 4;
+    ncr_directional_map map;
+    double d[6][3] = {{0}}, got[6];
+    CHECK_STATUS(NCR_OK, ncr_directional_map_init(NULL, NCR_MAP_CUBE, n, 1, &map));
+    for (int k = 0; k < 6; k++)
+        d[k][k / 2] = k % 2 ? -1 : 1;
+    for (int face = 0; face < 6; face++) {
+        for (int k = 0; k < 6 * n * n; k++)
+            map.image.data[k] = k / (n * n) == face;
+        CHECK_STATUS(NCR_OK, ncr_prefilter_direct_map(NULL, &map, &lambert, 6, d[0], got, NULL));
+        for (int k = 0; k < 6; k++)
+            CHECK_NEAR(pi * got[k], k == face ? ahead : k / 2 == face / 2 ? 0 : beside, 1e-5);
+    }
+    ncr_directional_map_dispose(NULL, &map);
+}
 
 static void cube_light(const double d[3], double out[3])
 {
@@ -180,13 +231,10 @@ static void a_cube_of_six_colours_gives_the_known_irradiance(void **state)
     (void)state;
     ncr_image map = make_map(256, 128, 8, cube_light);
     ncr_prefilter *p = prefilter_of(&map, NCR_OPTS(ncr_prefilter_opts, .band_limit = 120));
-    const double ahead = 4 / sqrt(2.0) * atan(1 / sqrt(2.0)), beside = (pi - ahead) / 4;
     for (int k = 0; k < 6; k++) {
-        double want = 0;
+        const double want = six_colours_along(k);
         float got[3], axis[3] = {0};
         axis[k / 2] = k % 2 ? -1 : 1;
-        for (int f = 0; f < 6; f++)
-            want += faces[f] / pi * (f == k ? ahead : f / 2 == k / 2 ? 0 : beside);
         CHECK_STATUS(NCR_OK,
                      ncr_prefilter_directions(NULL, p, &lambert, NULL, 1,
                                               &(ncr_vec3){axis[0], axis[1], axis[2]}, got, NULL));
@@ -762,6 +810,8 @@ int main(void)
         cmocka_unit_test(a_constant_comes_out_as_it_went_in),
         cmocka_unit_test(each_harmonic_comes_out_times_its_eigenvalue),
         cmocka_unit_test(a_cube_of_six_colours_gives_the_known_irradiance),
+        cmocka_unit_test(six_lamps_give_the_known_irradiance),
+        cmocka_unit_test(texels_of_one_face_give_the_known_irradiance),
         cmocka_unit_test(a_hemisphere_of_sky_gives_its_closed_form),
         cmocka_unit_test(every_lobe_agrees_with_brute_force),
         cmocka_unit_test(no_output_is_farther_off_than_its_bound),
