@@ -20,7 +20,7 @@ static const struct {
     {"env", verb_env, "convert an environment map between kinds and conventions"},
     {"rsibr", verb_rsibr, "compute what a material reflects toward a few eyes"},
     {"prefilter", verb_prefilter, "filter an environment map by a lobe, to a stated tolerance"},
-    {"info", verb_info, "say what a scene, field, image or patch file holds"},
+    {"info", verb_info, "say what a scene, field, image, map or patch file holds"},
     {"bench", verb_bench, "race nacre against the limit of this machine and its peers"},
     {"check", verb_check, "measure the hazards of arithmetic against their bounds"},
 };

@@ -230,6 +230,27 @@ static ncr_status describe_image(const info_options *o, json_t *out)
     return NCR_OK;
 }
 
+static ncr_status describe_light(const info_options *o, json_t *out)
+{
+    const app *a = &o->common;
+    ncr_gltf_light_info info;
+    const ncr_status status = ncr_gltf_light_describe(&a->ctx, o->file, &info);
+    if (status != NCR_OK)
+        return status;
+    app_say(a, "light of glTF%s%s: %u levels of faces from %ux%u, intensity %g",
+            *info.name ? " " : "", info.name, info.levels, info.size, info.size, info.intensity);
+    app_say(a, "mean radiance %.4g %.4g %.4g, by its first coefficient of irradiance", info.mean[0],
+            info.mean[1], info.mean[2]);
+    if (info.lights > 1)
+        app_say(a, "and %u more lights", info.lights - 1);
+    json_object_update_new(
+        out, json_pack("{s:s, s:s, s:i, s:i, s:i, s:f, s:[f,f,f], s:I}", "kind", "gltf light",
+                       "name", info.name, "lights", (int)info.lights, "levels", (int)info.levels,
+                       "size", (int)info.size, "intensity", info.intensity, "mean", info.mean[0],
+                       info.mean[1], info.mean[2], "bytes", (json_int_t)info.bytes));
+    return NCR_OK;
+}
+
 static ncr_status describe(const info_options *o, json_t *out)
 {
     struct stat st;
@@ -238,6 +259,8 @@ static ncr_status describe(const info_options *o, json_t *out)
     if (S_ISDIR(st.st_mode))
         return holds(o->file, NCR_RSIBR_MANIFEST) ? describe_radiance_maps(o, out)
                                                   : describe_field(o, out);
+    if (has_suffix(o->file, ".glb") || has_suffix(o->file, ".gltf"))
+        return describe_light(o, out);
     if (has_suffix(o->file, ".json"))
         return describe_scene(o, out);
     if (has_suffix(o->file, ".patches"))
@@ -254,8 +277,10 @@ int verb_info(int argc, char **argv)
     };
     const command_line line = {
         .usage = "nacre info FILE [options]",
-        .summary = "Say what a scene, field, image or patch file holds, and its conventions.",
-        .example = "nacre info out/teapot.field --verify",
+        .summary =
+            "Say what a scene, field, image, map, light or patch file holds, and its conventions.",
+        .example =
+            "nacre info out/teapot.field --verify\n  nacre info sunset.hdr\n  nacre info light.glb",
         .options = options,
         .word_count = 1,
         .word_names = {"FILE"},

@@ -65,6 +65,26 @@ NCR_API ncr_status ncr_gltf_light_write(const ncr_ctx *ctx, const char *path,
                                         const ncr_gltf_light_opts *opts,
                                         ncr_gltf_light_report *report);
 
+/** What a file says of its first light. */
+typedef struct ncr_gltf_light_info {
+    char name[64];         /* cut off; empty: none */
+    uint32_t lights;       /* in the file */
+    uint32_t size, levels; /* of faces; of roughness */
+    double intensity;
+    double mean[3]; /* radiance over the sphere, intensity and all, by the first coefficient */
+    size_t bytes;   /* of the file */
+} ncr_gltf_light_info;
+
+/**
+ * Read the description of a .glb or .gltf file with lights of EXT_lights_image_based, whoever wrote
+ * it. Images are counted, not decoded.
+ *
+ * @return  NCR_E_IO, NCR_E_NOMEM, NCR_E_LIMIT (over 4 GB), NCR_E_FORMAT: no such light, or its parts
+ *          are not what the extension asks for; *out is then left alone
+ */
+NCR_API ncr_status ncr_gltf_light_describe(const ncr_ctx *ctx, const char *path,
+                                           ncr_gltf_light_info *out);
+
 NCR_END
 
 #endif

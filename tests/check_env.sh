@@ -95,13 +95,18 @@ for light in light.glb light.gltf; do
     expect 0 "3 levels of GGX" env "$work/chart.exr" -o "$work/$light" --json
     jq -e '.levels == 3 and .out.convention == "gltf" and .packed.clamped == 0 and .packed.rms < 0.01 and
            .energy_in[0] > 0' "$work/out" >/dev/null || fail "env -o $light: $(cat "$work/out")"
+    cp "$work/out" "$work/said"
+    expect 0 "light of glTF" info "$work/$light" --json
+    jq -e --slurpfile said "$work/said" '.kind == "gltf light" and .levels == 3 and .size == 64 and
+        (.mean[0] * 12.566370614 / $said[0].energy_in[0] - 1 | fabs < 1e-3)' "$work/out" >/dev/null ||
+        fail "info $light: $(cat "$work/out")"
 done
 jq -e '.extensions.EXT_lights_image_based.lights[0] | .specularImageSize == 64 and
        (.specularImages | length == 3 and all(length == 6)) and
        (.irradianceCoefficients | length == 9 and all(length == 3))' "$work/light.gltf" >/dev/null ||
     fail "light.gltf: $(head -c 400 "$work/light.gltf")"
 # c00 = pi Y00 int L: the integral over the sphere is what --json said
-jq -e --slurpfile said "$work/out" '.extensions.EXT_lights_image_based.lights[0].irradianceCoefficients[0] as $c |
+jq -e --slurpfile said "$work/said" '.extensions.EXT_lights_image_based.lights[0].irradianceCoefficients[0] as $c |
        [range(3)] | all($c[.] / ($said[0].energy_in[.] * 0.886226925) - 1 | fabs < 1e-3)' "$work/light.gltf" \
     >/dev/null || fail "light.gltf: the first coefficient is not the mean"
 expect 2 "its own layout" env "$work/chart.exr" --up y -o "$work/a.glb"

@@ -371,6 +371,52 @@ static void what_packing_costs_is_told(void **state)
     ncr_directional_map_dispose(ctx, &map);
 }
 
+/* What is written is described again: cut short or bent, it is refused or says the same. */
+static void a_file_is_described_or_refused(void **state)
+{
+    (void)state;
+    static const double flat[9][3] = {{11.136655993663414, 22.273311987326828, 0}};
+    ncr_directional_map levels[2];
+    for (uint32_t k = 0; k < 2; k++)
+        CHECK_STATUS(NCR_OK, ncr_directional_map_init(ctx, NCR_MAP_CUBE, 4u >> k, 3, &levels[k]));
+    for (int binary = 0; binary < 2; binary++) {
+        const file_path path = file_at(binary ? "told.glb" : "told.gltf");
+        const file_path bent = file_at(binary ? "bent.glb" : "bent.gltf");
+        ncr_gltf_light_info info;
+        CHECK_STATUS(NCR_OK,
+                     ncr_gltf_light_write(
+                         ctx, path.text, levels, 2, 4, flat,
+                         NCR_OPTS(ncr_gltf_light_opts, .name = "dusk", .intensity = 2), NULL));
+        CHECK_STATUS(NCR_OK, ncr_gltf_light_describe(ctx, path.text, &info));
+        assert_string_equal(info.name, "dusk");
+        assert_true(info.lights == 1 && info.levels == 2 && info.size == 4);
+        CHECK_NEAR(info.intensity, 2, 0);
+        CHECK_NEAR(info.mean[0], 1, 1e-8); /* a constant 1 has pi 2 sqrt(pi) for its first */
+        CHECK_NEAR(info.mean[1], 2, 1e-8);
+        size_t size;
+        uint8_t *data = file_get(path.text, &size);
+        assert_int_equal(info.bytes, size);
+        check_random r = {.seed = 77};
+        for (int k = 0; k < 300; k++) {
+            const size_t at = (size_t)check_uniform(&r, 0, (double)size);
+            const size_t length = k % 3 ? size : at;
+            const uint8_t was = data[at];
+            data[at] ^= (uint8_t)(1u << (k & 7));
+            file_put(bent.text, data, length);
+            data[at] = was;
+            const ncr_status status = ncr_gltf_light_describe(ctx, bent.text, &info);
+            assert_true(status == NCR_OK || status == NCR_E_FORMAT);
+            if (length < size)
+                assert_int_equal(status, NCR_E_FORMAT);
+        }
+        free(data);
+    }
+    CHECK_STATUS(NCR_E_IO,
+                 ncr_gltf_light_describe(ctx, file_at("none.glb").text, &(ncr_gltf_light_info){0}));
+    for (uint32_t k = 0; k < 2; k++)
+        ncr_directional_map_dispose(ctx, &levels[k]);
+}
+
 static void wrong_calls_write_nothing(void **state)
 {
     (void)state;
@@ -425,6 +471,7 @@ int main(void)
         cmocka_unit_test(packing_keeps_what_eight_bits_can),
         cmocka_unit_test(every_look_up_finds_what_is_in_its_direction),
         cmocka_unit_test(what_packing_costs_is_told),
+        cmocka_unit_test(a_file_is_described_or_refused),
         cmocka_unit_test(wrong_calls_write_nothing),
         cmocka_unit_test(running_out_of_memory_leaves_nothing_behind),
     };
