@@ -175,7 +175,8 @@ static void report(const env_job *job)
         app_say(
             a,
             "%u levels of GGX roughness 0 to 1; packing into RGBD changed values by %.2g rms; %llu "
-            "did not fit and were clamped, which took %.2g %% of the light",
+            "did not fit and were clamped: %.2g %% of what the faces hold, but not of the "
+            "irradiance",
             job->made.levels, job->packed.rms, (unsigned long long)job->packed.clamped,
             100 * job->packed.lost);
     else if (from)
