@@ -182,13 +182,34 @@ static ncr_status init_rings(const ncr_ctx *ctx, ncr_sht *sht)
     return NCR_OK;
 }
 
+/* Bytes of rows and of spectrum that one ring, with its fellow on the other side, takes. */
+static size_t ring_bytes(const ncr_sht *sht)
+{
+    const size_t row = sht->coarse ? (size_t)sht->width * sht->channels : 0;
+    return (2 * row + (size_t)sht->rows.orders * 4 * sht->channels) * sizeof(float);
+}
+
+static uint32_t choose_block(const ncr_sht *sht)
+{
+    static const size_t most = (size_t)128 << 20, enough = (size_t)64 << 20;
+    if (sht->rings.count * ring_bytes(sht) <= most)
+        return (uint32_t)sht->rings.count;
+    const size_t block = enough / ring_bytes(sht) / NCR_WIDEST * NCR_WIDEST;
+    return (uint32_t)(block < 2 * NCR_WIDEST ? 2 * NCR_WIDEST : block);
+}
+
 static ncr_status init_work(const ncr_ctx *ctx, ncr_sht *sht)
 {
     const size_t columns = 2 * (size_t)sht->channels, degrees = (size_t)sht->last + 9;
-    const size_t coarse = sht->coarse ? (size_t)sht->rows.rows * sht->width * sht->channels : 0;
+    const bool whole = sht->block == sht->rings.count;
+    if (!whole)
+        sht->rows.padded = round_up(sht->block + sht->border, NCR_WIDEST);
+    const size_t rows =
+        whole ? sht->rows.rows : 2 * (sht->block + sht->border + 2 * (size_t)NCR_BAND_MARGIN);
+    const size_t coarse = sht->coarse ? rows * sht->width * sht->channels : 0;
     sht->row_floats = ncr_row_scratch(&sht->rows);
     sht->order_doubles =
-        round_up((uint32_t)((2 + columns) * degrees + (2 * columns + 3) * sht->rings.count), 8);
+        round_up((uint32_t)((2 + columns) * degrees + (2 * columns + 3) * sht->block), 8);
     sht->row_work = ncr_alloc(ctx, sht->workers * sht->row_floats * sizeof(float));
     sht->order_work = ncr_alloc(ctx, sht->workers * sht->order_doubles * sizeof(double));
     sht->rows.spectrum =
@@ -201,7 +222,7 @@ static ncr_status init_work(const ncr_ctx *ctx, ncr_sht *sht)
 }
 
 ncr_status ncr_sht_init(const ncr_ctx *ctx, uint32_t width, uint32_t height, uint32_t channels,
-                        uint32_t last, bool every_row, ncr_sht *sht)
+                        uint32_t last, bool every_row, uint32_t block, ncr_sht *sht)
 {
     *sht = (ncr_sht){.kernels = ncr_sht_kernels_get(),
                      .width = width,
@@ -216,8 +237,12 @@ ncr_status ncr_sht_init(const ncr_ctx *ctx, uint32_t width, uint32_t height, uin
         init_rows(sht);
         status = init_rings(ctx, sht);
     }
-    if (!status)
+    if (!status) {
+        sht->block = block ? block : choose_block(sht);
+        if (sht->block > sht->rings.count)
+            sht->block = (uint32_t)sht->rings.count;
         status = init_work(ctx, sht);
+    }
     if (status)
         ncr_sht_dispose(ctx, sht);
     return status;
@@ -240,8 +265,8 @@ ncr_order_work ncr_sht_order_work(const ncr_sht *sht, unsigned worker)
 {
     const size_t columns = 2 * (size_t)sht->channels, degrees = (size_t)sht->last + 9;
     double *data = sht->order_work + worker * sht->order_doubles;
-    double *state = data + 2 * columns * sht->rings.count;
-    double *step = state + 3 * sht->rings.count;
+    double *state = data + 2 * columns * sht->block;
+    double *step = state + 3 * (size_t)sht->block;
     return (ncr_order_work){
         .data = data, .state = state, .step = step, .coefficient = step + 2 * degrees};
 }

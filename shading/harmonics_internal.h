@@ -23,6 +23,7 @@ typedef struct ncr_sht {
     float *coarse_rows, *row_work; /* row_work: [workers][row_floats] */
     double *order_work;            /* [workers][order_doubles] */
     size_t row_floats, order_doubles;
+    uint32_t block; /* rings at a time; all of them unless that takes too much memory */
 } ncr_sht;
 
 /* Parts of one worker's order_work. */
@@ -30,13 +31,26 @@ typedef struct ncr_order_work {
     double *step, *coefficient, *data, *state;
 } ncr_order_work;
 
+/* `block`: rings to be taken at a time, a multiple of NCR_WIDEST; NCR_ALL_RINGS; or 0: as many as
+ * working memory of some 100 MiB has room for. Unless that is all of them, there is room in
+ * coarse_rows for two bands of rows, from either pole, and in the spectrum for one block. */
 ncr_status ncr_sht_init(const ncr_ctx *ctx, uint32_t width, uint32_t height, uint32_t channels,
-                        uint32_t last, bool every_row, ncr_sht *out);
+                        uint32_t last, bool every_row, uint32_t block, ncr_sht *out);
+
+#define NCR_ALL_RINGS UINT32_MAX
+
+/* Rows of room before and after a band: a group of taps may reach so far over its ends. */
+enum { NCR_BAND_MARGIN = NCR_TAPS - 1 };
 void ncr_sht_dispose(const ncr_ctx *ctx, ncr_sht *sht);
 
 ncr_order_work ncr_sht_order_work(const ncr_sht *sht, unsigned worker);
 
 /* The next rows of the map, from `row` on, that share their place on the coarse grid: at most 4. */
 ncr_tap_group ncr_sht_group(const ncr_sht *sht, uint32_t row);
+
+/* ncr_harmonics_analyse with so many rings at a time, as ncr_sht_init takes them. */
+ncr_status ncr_harmonics_analyse_blocks(const ncr_ctx *ctx, const ncr_image *map,
+                                        const ncr_harmonics_opts *opts, uint32_t block,
+                                        ncr_harmonics *out, ncr_texel_report *report);
 
 #endif

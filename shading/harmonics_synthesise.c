@@ -131,7 +131,7 @@ ncr_status ncr_harmonics_synthesise(const ncr_ctx *ctx, const ncr_harmonics *har
         last--;
     synthesis job = {.harmonics = harmonics, .zonal = zonal, .map = map};
     ncr_status status = ncr_sht_init(ctx, map->width, map->height, map->channels, last,
-                                     opts && opts->every_row, &job.sht);
+                                     opts && opts->every_row, NCR_ALL_RINGS, &job.sht);
     if (!status) {
         if (!job.sht.coarse)
             job.sht.rows.data = map->data;

@@ -310,6 +310,40 @@ static void analysis_recovers_what_was_put_in(void **state)
     }
 }
 
+/* Odd and even heights, rows coarse and as they are, more orders than a row has texels, texels that
+ * do not count; blocks that do and do not divide the rings. */
+static void some_rings_at_a_time_sum_to_the_same_as_all(void **state)
+{
+    static const uint32_t cases[][3] = {
+        {96, 400, 40}, {40, 401, 30}, {64, 131, 64}, {33, 96, 90}, {20, 260, 100}};
+    (void)state;
+    for (size_t k = 0; k < sizeof cases / sizeof cases[0]; k++) {
+        for (int strange = 0; strange < 2; strange++) {
+            const ncr_harmonics_opts opts = {.struct_size = sizeof opts, .clamp_negative = strange};
+            ncr_image map = random_image(cases[k][0], cases[k][1], 3, k);
+            ncr_harmonics all, some;
+            ncr_texel_report a, b;
+            map.data[7] = strange ? NAN : 1;
+            map.data[3 * (size_t)map.width * map.height - 5] = strange ? -9 : 1;
+            map.data[3 * (size_t)map.width * (map.height / 2) + 4] = strange ? INFINITY : 2;
+            CHECK_STATUS(NCR_OK, ncr_harmonics_init(NULL, cases[k][2], 3, &all));
+            CHECK_STATUS(NCR_OK, ncr_harmonics_init(NULL, cases[k][2], 3, &some));
+            CHECK_STATUS(NCR_OK,
+                         ncr_harmonics_analyse_blocks(NULL, &map, &opts, NCR_ALL_RINGS, &all, &a));
+            CHECK_STATUS(NCR_OK, ncr_harmonics_analyse_blocks(NULL, &map, &opts,
+                                                              k % 2 ? NCR_WIDEST : 2 * NCR_WIDEST,
+                                                              &some, &b));
+            CHECK_NEAR(difference(&all, &some), 0, 1e-14);
+            assert_int_equal(a.nonfinite, b.nonfinite);
+            assert_int_equal(a.negative, b.negative);
+            CHECK_NEAR(a.square, b.square, 1e-12 * a.square);
+            ncr_harmonics_dispose(NULL, &all);
+            ncr_harmonics_dispose(NULL, &some);
+            ncr_image_dispose(NULL, &map);
+        }
+    }
+}
+
 static void strange_texels_are_counted_and_left_out(void **state)
 {
     (void)state;
@@ -551,6 +585,7 @@ int main(void)
         cmocka_unit_test(coefficients_are_sums_over_all_texels),
         cmocka_unit_test(fewer_rows_say_the_same_as_all),
         cmocka_unit_test(analysis_recovers_what_was_put_in),
+        cmocka_unit_test(some_rings_at_a_time_sum_to_the_same_as_all),
         cmocka_unit_test(strange_texels_are_counted_and_left_out),
         cmocka_unit_test(every_processor_sums_the_same_legendre_functions),
         cmocka_unit_test(every_processor_transforms_rows_of_any_smooth_width),
