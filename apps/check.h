@@ -43,6 +43,7 @@ typedef struct check {
     const char *name;
     const char *what; /* one sentence */
     check_fn *run;
+    bool full; /* takes minutes or gigabytes: only by name, or with --full */
 } check;
 
 /* ---- check_geometry.c, check_rays.c ---- */
@@ -60,6 +61,8 @@ check_fn check_view_sphere, check_eye_opposites;
 check_fn check_map_seams, check_map_orientation;
 /* ---- check_filters.c ---- */
 check_fn check_filter_furnace, check_filter_seams, check_filter_extremes;
+/* ---- check_extremes.c ---- */
+check_fn check_env_extremes, check_large_maps;
 /* ---- check_picture.c ---- */
 check_fn check_scene_scales, check_worker_counts;
 

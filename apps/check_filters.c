@@ -179,8 +179,72 @@ static ncr_status check_extreme(check_run *r, uint32_t size, uint32_t band_limit
     return status;
 }
 
+/* The largest difference from the sum over all texels, in units of the bound; NaN when something is
+ * not finite. Texels do not sum a constant to a constant, filters do: `ones` tells by how much. */
+static ncr_status worst_from_sum(const ncr_ctx *ctx, const ncr_image *image, const ncr_image *ones,
+                                 const double mean[4], const ncr_lobe *lobe, const ncr_image *out,
+                                 double bound, double *worst)
+{
+    double peak = 0;
+    ncr_status status = NCR_OK;
+    for (uint32_t k = 0; k < 3 * out->width * out->height; k++)
+        peak = fmax(peak, fabs((double)out->data[k]));
+    for (uint32_t k = 0; status == NCR_OK && k < out->width * out->height; k++) {
+        const double theta = (k / out->width + 0.5) * pi / out->height;
+        const double phi = (k % out->width + 0.5) * 2 * pi / out->width;
+        const double d[3] = {sin(theta) * cos(phi), sin(theta) * sin(phi), cos(theta)};
+        double want[3], whole[3];
+        status = ncr_prefilter_direct(ctx, image, lobe, false, 1, d, want);
+        if (status == NCR_OK)
+            status = ncr_prefilter_direct(ctx, ones, lobe, false, 1, d, whole);
+        for (uint32_t c = 0; status == NCR_OK && c < 3; c++) {
+            const double right = want[c] - mean[c] * (whole[c] - 1);
+            const double now =
+                fabs((double)out->data[3 * k + c] - right) / (bound + 0x1p-20 * peak);
+            *worst = isfinite(now) && isfinite(*worst) ? fmax(*worst, now) : NAN;
+        }
+    }
+    return status;
+}
+
+/* Images of any shape, as equirectangular maps: a single texel, one row, one column, odd sides. */
+static ncr_status check_shape(check_run *r, uint32_t width, uint32_t height)
+{
+    ncr_image image, ones = {0}, out = {0};
+    ncr_prefilter *p = NULL;
+    double worst = 0;
+    ncr_status status = ncr_image_init(r->ctx, width, height, 3, &image);
+    if (status == NCR_OK)
+        status = ncr_image_init(r->ctx, width, height, 3, &ones);
+    for (size_t k = 0; status == NCR_OK && k < (size_t)width * height * 3; k++) {
+        image.data[k] = k < 3 ? 2.5e5f : (float)(0.5 + ncr_uniform(k, 5));
+        ones.data[k] = 1;
+    }
+    if (status == NCR_OK)
+        status = ncr_prefilter_create(r->ctx, &image,
+                                      NCR_OPTS(ncr_prefilter_opts, .band_limit = 60), &p);
+    if (status == NCR_OK)
+        status = ncr_image_init(r->ctx, 8, 4, 3, &out);
+    for (int k = 0; status == NCR_OK && k < lobe_count; k++) {
+        ncr_prefilter_report report;
+        status = ncr_prefilter_equirect(r->ctx, p, &lobes[k], NULL, &out, &report);
+        if (status == NCR_OK)
+            status = worst_from_sum(r->ctx, &image, &ones, ncr_prefilter_info_get(p).mean,
+                                    &lobes[k], &out, report.bound_max, &worst);
+    }
+    if (status == NCR_OK)
+        check_at_most(r, worst, 1, "error / bound, image of %ux%u, L 60", width, height);
+    ncr_prefilter_destroy(r->ctx, p);
+    ncr_image_dispose(r->ctx, &out);
+    ncr_image_dispose(r->ctx, &ones);
+    ncr_image_dispose(r->ctx, &image);
+    return status;
+}
+
 ncr_status check_filter_extremes(check_run *r)
 {
+    static const uint32_t shapes[][2] = {{1, 1},  {1, 2}, {2, 1},  {1, 33},
+                                         {33, 1}, {5, 3}, {31, 17}};
     static const uint32_t cases[][2] = {{1, 1},     {1, 300},   {16, 16},
                                         {128, 500}, {256, 128}, {512, 2000}};
     ncr_status status = NCR_OK;
@@ -189,5 +253,7 @@ ncr_status check_filter_extremes(check_run *r)
         if (status == NCR_OK && cases[k][1] <= 500)
             status = check_extreme(r, cases[k][0], cases[k][1], 1e-3);
     }
+    for (size_t k = 0; status == NCR_OK && k < sizeof shapes / sizeof shapes[0]; k++)
+        status = check_shape(r, shapes[k][0], shapes[k][1]);
     return status;
 }

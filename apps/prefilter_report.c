@@ -190,7 +190,7 @@ json_t *prefilter_describe(const prefilter_job *job)
         json_array_append_new(levels, describe_level(job, &job->levels[k]));
     json_t *out = json_pack(
         "{s:s, s:{s:s, s:s, s:i, s:f, s:I, s:I}, s:{s:s, s:s}, s:f, s:b, s:{s:i, s:I}, s:i, s:o, "
-        "s:o, s:o, s:{s:I, s:f, s:f}, s:{s:f, s:f, s:f, s:f, s:f}}",
+        "s:o, s:o, s:{s:I, s:f, s:f}, s:{s:f, s:f, s:f, s:f, s:f}, s:I}",
         "schema", "nacre.prefilter/1", "in", "kind", ncr_map_kind_name(from->kind), "convention",
         from->name, "size", (int)job->in.size, "mean", job->mean, "negative",
         (json_int_t)job->read.negative, "nonfinite", (json_int_t)job->read.nonfinite, "out", "kind",
@@ -199,7 +199,8 @@ json_t *prefilter_describe(const prefilter_job *job)
         (json_int_t)job->o->common.seed, "band_limit", (int)info.band_limit, "levels", levels,
         "lights", describe_lights(job), "moved", numbers(info.peeled, 3), "stored", "clamped",
         (json_int_t)job->stored.clamped, "worst", job->stored.worst, "rms", job->stored.rms,
-        "seconds", "read", t[0], "analyse", t[1], "filter", t[2], "measure", t[3], "write", t[4]);
+        "seconds", "read", t[0], "analyse", t[1], "filter", t[2], "measure", t[3], "write", t[4],
+        "peak_memory", (json_int_t)app_peak_memory());
     if (job->o->harmonics)
         json_object_set_new(out, "harmonics", describe_nine(job));
     return out;

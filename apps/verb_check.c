@@ -8,43 +8,51 @@
 #include <string.h>
 
 static const check checks[] = {
-    {"scaling", "normals do not depend on the size of the scene", check_scaling},
-    {"bad-rays", "unusable rays miss, are counted, and stop nothing", check_bad_rays},
-    {"self-hits", "a convex solid does not shadow itself", check_self_hits},
+    {"scaling", "normals do not depend on the size of the scene", check_scaling, false},
+    {"bad-rays", "unusable rays miss, are counted, and stop nothing", check_bad_rays, false},
+    {"self-hits", "a convex solid does not shadow itself", check_self_hits, false},
     {"collapsed-edges", "normals reach their limit where a patch's edge is a point",
-     check_collapsed_edges},
-    {"curvature", "principal curvatures survive nearly parallel tangents", check_curvature},
-    {"clearance", "fitted offsets neither fold nor cross what is opposite", check_clearance},
-    {"registration", "hits lie on the patch, not on its triangles", check_registration},
-    {"ties", "points equally far are taken by index", check_ties},
-    {"horizon", "a texel sees the points that the closed form says", check_horizon},
+     check_collapsed_edges, false},
+    {"curvature", "principal curvatures survive nearly parallel tangents", check_curvature, false},
+    {"clearance", "fitted offsets neither fold nor cross what is opposite", check_clearance, false},
+    {"registration", "hits lie on the patch, not on its triangles", check_registration, false},
+    {"ties", "points equally far are taken by index", check_ties, false},
+    {"horizon", "a texel sees the points that the closed form says", check_horizon, false},
     {"weights", "blend weights are finite, not negative, and sum to one at every exponent",
-     check_weight_sums},
+     check_weight_sums, false},
     {"coincident-points", "a point at the surface counts as lying along the normal",
-     check_coincident_points},
-    {"solid-angles", "cube texels sum to the sphere at every resolution", check_solid_angles},
-    {"cube-seams", "light runs on across edges and corners of the cube", check_cube_seams},
+     check_coincident_points, false},
+    {"solid-angles", "cube texels sum to the sphere at every resolution", check_solid_angles,
+     false},
+    {"cube-seams", "light runs on across edges and corners of the cube", check_cube_seams, false},
     {"view-sphere", "tiny spherical triangles keep their area, and viewpoints their shares",
-     check_view_sphere},
+     check_view_sphere, false},
     {"eye-opposites",
      "radiance maps have an answer where an eye's map shows one direction all around",
-     check_eye_opposites},
+     check_eye_opposites, false},
     {"map-seams", "light runs on across edges, poles and rims of every kind of map",
-     check_map_seams},
-    {"map-orientation", "every convention gives each axis back where it was",
-     check_map_orientation},
-    {"half-range", "halves keep what they can hold, and say what they cannot", check_half_range},
-    {"cielab", "L*a*b* has its known values and inverts", check_cielab},
-    {"reductions", "image errors have the same bits for any number of workers", check_reductions},
-    {"filter-furnace", "a constant map comes out of every lobe as it went in",
-     check_filter_furnace},
+     check_map_seams, false},
+    {"map-orientation", "every convention gives each axis back where it was", check_map_orientation,
+     false},
+    {"half-range", "halves keep what they can hold, and say what they cannot", check_half_range,
+     false},
+    {"cielab", "L*a*b* has its known values and inverts", check_cielab, false},
+    {"reductions", "image errors have the same bits for any number of workers", check_reductions,
+     false},
+    {"filter-furnace", "a constant map comes out of every lobe as it went in", check_filter_furnace,
+     false},
     {"filter-seams", "filtered light runs on across every cut of every kind of map",
-     check_filter_seams},
+     check_filter_seams, false},
     {"filter-extremes", "suns, exponents, roughness and band limits at the ends of their ranges",
-     check_filter_extremes},
-    {"scene-scales", "a scene of any size in any place gives the same picture", check_scene_scales},
+     check_filter_extremes, false},
+    {"env-extremes", "maps of one texel and of odd sides, with a sun, become any kind of map",
+     check_env_extremes, false},
+    {"large-maps", "16384 x 8192 texels are converted and filtered with 256 MB beside them",
+     check_large_maps, true},
+    {"scene-scales", "a scene of any size in any place gives the same picture", check_scene_scales,
+     false},
     {"worker-counts", "a bake and its picture have the same bits for any number of workers",
-     check_worker_counts},
+     check_worker_counts, false},
 };
 enum { check_count = sizeof checks / sizeof checks[0] };
 
@@ -53,7 +61,7 @@ typedef struct check_options {
     const char *scene;
     const char *names[check_count];
     size_t name_count;
-    bool list;
+    bool list, full;
 } check_options;
 
 static void add_row(check_run *r, double measured, double bound, bool least, const char *format,
@@ -119,14 +127,14 @@ static ncr_status run_chosen(const check_options *o, check_run *r)
     for (size_t k = 0; k < o->name_count && status == NCR_OK; k++)
         status = run_one(r, chosen[k]);
     for (size_t k = 0; !o->name_count && k < check_count && status == NCR_OK; k++)
-        status = run_one(r, &checks[k]);
+        status = checks[k].full && !o->full ? NCR_OK : run_one(r, &checks[k]);
     return status;
 }
 
 static int print_list(void)
 {
     for (int k = 0; k < check_count; k++)
-        printf("%-18s %s\n", checks[k].name, checks[k].what);
+        printf("%-18s %s%s\n", checks[k].name, checks[k].what, checks[k].full ? " (--full)" : "");
     return EXIT_DONE;
 }
 
@@ -156,6 +164,7 @@ int verb_check(int argc, char **argv)
     const option options[] = {
         {"--scene", 0, OPTION_TEXT, &o.scene, "SCENE",
          "make geometry checks on this scene's subject, not on a built-in pot"},
+        {"--full", 0, OPTION_FLAG, &o.full, NULL, "also what takes minutes and gigabytes"},
         {"--list", 0, OPTION_FLAG, &o.list, NULL, "name the checks and stop"},
         APP_OPTIONS(&o.common),
     };
