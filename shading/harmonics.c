@@ -191,7 +191,7 @@ static size_t ring_bytes(const ncr_sht *sht)
 
 static uint32_t choose_block(const ncr_sht *sht)
 {
-    static const size_t most = (size_t)128 << 20, enough = (size_t)64 << 20;
+    static const size_t most = (size_t)128 << 20, enough = (size_t)32 << 20;
     if (sht->rings.count * ring_bytes(sht) <= most)
         return (uint32_t)sht->rings.count;
     const size_t block = enough / ring_bytes(sht) / NCR_WIDEST * NCR_WIDEST;
