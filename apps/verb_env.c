@@ -243,7 +243,7 @@ int verb_env(int argc, char **argv)
         {"--from", 0, OPTION_TEXT, &o.from, "CONVENTION",
          "how IN lies, or KIND:CONVENTION (default: as IN says)"},
         {"--convention", 0, OPTION_TEXT, &o.convention, "NAME",
-         "how OUT is to lie: opengl, openexr, oiio, usd, vcross ..."},
+         "how OUT is to lie: opengl, webgl, openexr, oiio, usd, vcross ..."},
         {"--from-up", 0, OPTION_TEXT, &o.from_up, "AXIS",
          "which axis is up in IN: z (default) or y"},
         {"--up", 0, OPTION_TEXT, &o.up, "AXIS", "which axis is to be up in OUT: z (default) or y"},

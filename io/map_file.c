@@ -77,7 +77,8 @@ ncr_status ncr_map_face_path(const ncr_ctx *ctx, const char *path, int face, cha
 bool ncr_map_is_ktx(const ncr_convention *c)
 {
     const ncr_convention *k = ncr_convention_find("ktx", NCR_MAP_CUBE);
-    return c && c->kind == NCR_MAP_CUBE && !c->on_border && !strcmp(c->says, k->says);
+    return c && c->kind == NCR_MAP_CUBE && !c->on_border && c->rows == k->rows &&
+           !memcmp(c->cell, k->cell, sizeof c->cell) && !memcmp(c->mirror, k->mirror, 6);
 }
 
 /* Tools that turn a map into another copy its comments along, so what the format itself says, which

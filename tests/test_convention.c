@@ -104,16 +104,16 @@ static void openexr_is_what_its_library_says(void **state)
     ncr_image_dispose(&quiet, &image);
 }
 
-/* OpenGL 4.6, table 8.19: the face coordinates sc and tc and the major axis ma by face. */
-static void opengl_faces_are_table_8_19(void **state)
+/* OpenGL 4.6, table 8.19: the face coordinates sc and tc and the major axis ma by face; of (x, y, z),
+ * or of (-x, y, z) where right-handed worlds meet left-handed cubes. */
+static void check_table_8_19(const char *name, double side)
 {
-    (void)state;
     const uint32_t n = 8;
-    ncr_image image = directions("opengl", NCR_MAP_CUBE, n);
+    ncr_image image = directions(name, NCR_MAP_CUBE, n);
     for (uint32_t k = 0; k < 6 * n * n; k++) {
         const uint32_t face = k / (n * n), x = k % n, y = k / n % n;
         const float *d = ncr_image_at(&image, x, face * n + y);
-        const double rx = (double)d[0], ry = (double)d[1], rz = (double)d[2];
+        const double rx = side * (double)d[0], ry = (double)d[1], rz = (double)d[2];
         const double sc[] = {-rz, rz, rx, rx, rx, -rx}, tc[] = {-ry, -ry, rz, -rz, -ry, -ry};
         const double ma[] = {rx, rx, ry, ry, rz, rz};
         assert_true(ma[face] * (face % 2 ? -1 : 1) > 0);
@@ -121,6 +121,13 @@ static void opengl_faces_are_table_8_19(void **state)
         CHECK_NEAR(0.5 * (tc[face] / fabs(ma[face]) + 1), (y + 0.5) / n, 1e-6);
     }
     ncr_image_dispose(&quiet, &image);
+}
+
+static void faces_are_opengl_s_table_8_19(void **state)
+{
+    (void)state;
+    check_table_8_19("opengl", 1);
+    check_table_8_19("webgl", -1);
 }
 
 /* A cross unfolds the cube: wherever two filled pixels touch, so do their directions. */
@@ -302,7 +309,7 @@ int main(void)
         cmocka_unit_test(pixar_is_the_renderman_interface),
         cmocka_unit_test(oiio_and_usd_are_openimageio_with_z_and_y_up),
         cmocka_unit_test(openexr_is_what_its_library_says),
-        cmocka_unit_test(opengl_faces_are_table_8_19),
+        cmocka_unit_test(faces_are_opengl_s_table_8_19),
         cmocka_unit_test(crosses_hang_together),
         cmocka_unit_test(what_is_written_is_read_again),
         cmocka_unit_test(every_convention_keeps_directions),
