@@ -37,7 +37,8 @@ typedef struct prefilter_job {
     double view[3];    /* unit, of our world */
     ncr_map_stated as; /* how results are laid out */
     ncr_map_file_report read;
-    ncr_directional_map in;
+    ncr_directional_map in; /* spent by writing a mirror */
+    uint32_t in_size;
     ncr_prefilter *prefilter; /* NULL for views and mirrors */
     double tolerance, mean;   /* of the map, over sphere and channels */
     uint32_t level_count, probes;

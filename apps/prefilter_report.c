@@ -192,7 +192,7 @@ json_t *prefilter_describe(const prefilter_job *job)
         "{s:s, s:{s:s, s:s, s:i, s:f, s:I, s:I}, s:{s:s, s:s}, s:f, s:b, s:{s:i, s:I}, s:i, s:o, "
         "s:o, s:o, s:{s:I, s:f, s:f}, s:{s:f, s:f, s:f, s:f, s:f}, s:I}",
         "schema", "nacre.prefilter/1", "in", "kind", ncr_map_kind_name(from->kind), "convention",
-        from->name, "size", (int)job->in.size, "mean", job->mean, "negative",
+        from->name, "size", (int)job->in_size, "mean", job->mean, "negative",
         (json_int_t)job->read.negative, "nonfinite", (json_int_t)job->read.nonfinite, "out", "kind",
         ncr_map_kind_name(to->kind), "convention", to->name, "tolerance", job->tolerance, "met",
         (int)prefilter_met(job), "probes", "count", (int)job->probes, "seed",

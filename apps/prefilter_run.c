@@ -134,11 +134,12 @@ static ncr_status make_level(prefilter_job *job, uint32_t k)
         return status;
     const uint32_t whole = o->size ? o->size : fitting_size(job, job->choice.chain ? 0 : order);
     const uint32_t size = o->same_size ? whole : whole >> k ? whole >> k : 1;
+    const ncr_convention *c = job->as.convention;
+    if (level->mirror) /* made while it is written */
+        return ncr_map_shape(&o->common.ctx, c->kind, size, 3,
+                             ncr_axes_then(job->as.world, c->axes), &level->map);
     status = prefilter_make_map(job, size, &level->map);
-    if (status)
-        return status;
-    return level->mirror ? ncr_directional_map_convert(&o->common.ctx, &job->in, &level->map)
-                         : fill_level(job, level, order, false);
+    return status ? status : fill_level(job, level, order, false);
 }
 
 /* --- measuring -------------------------------------------------------------------------------- */

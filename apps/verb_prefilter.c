@@ -50,7 +50,7 @@ static const char *contradiction(const prefilter_options *o, const filter_choice
 }
 
 /* The name of a level's file: '#' in OUT is its number. */
-static ncr_status write_apart(prefilter_job *job, const ncr_map_file_opts *how)
+static ncr_status write_apart(prefilter_job *job, ncr_map_file_opts *how)
 {
     const ncr_ctx *ctx = &job->o->common.ctx;
     const char *mark = strchr(job->o->out, '#');
@@ -60,6 +60,7 @@ static ncr_status write_apart(prefilter_job *job, const ncr_map_file_opts *how)
     for (uint32_t k = 0; status == NCR_OK && k < job->level_count; k++) {
         snprintf(path, size, "%.*s%u%s", (int)(mark - job->o->out), job->o->out, k, mark + 1);
         status = ncr_map_file_write_levels(ctx, path, &job->levels[k].map, 1, how, &job->stored);
+        how->first = NULL;
     }
     ncr_free(ctx, path);
     return status;
@@ -69,13 +70,14 @@ static ncr_status write_levels(prefilter_job *job)
 {
     const prefilter_options *o = job->o;
     const ncr_ctx *ctx = &o->common.ctx;
-    const ncr_map_file_opts how = {.struct_size = sizeof how,
-                                   .as = job->as,
-                                   .half = o->half,
-                                   .exposure = o->exposure,
-                                   .ktx2 = o->rgb9e5   ? NCR_KTX2_RGB9E5
-                                           : o->single ? NCR_KTX2_FLOAT
-                                                       : NCR_KTX2_HALF};
+    ncr_map_file_opts how = {.struct_size = sizeof how,
+                             .first = job->levels[0].mirror ? &job->in : NULL,
+                             .as = job->as,
+                             .half = o->half,
+                             .exposure = o->exposure,
+                             .ktx2 = o->rgb9e5   ? NCR_KTX2_RGB9E5
+                                     : o->single ? NCR_KTX2_FLOAT
+                                                 : NCR_KTX2_HALF};
     if (strchr(o->out, '#'))
         return write_apart(job, &how);
     ncr_directional_map levels[NCR_KTX2_LEVELS];
@@ -114,6 +116,7 @@ static ncr_status run(prefilter_job *job)
     if (status == NCR_OK)
         status = map_words_read(a, o->in, o->from, o->from_up, &job->in, &job->read);
     job->seconds[0] = app_seconds() - began;
+    job->in_size = job->in.size;
     if (status == NCR_OK)
         status = job->choice.view ? prefilter_run_view(job) : prefilter_run(job);
     began = app_seconds();

@@ -48,6 +48,9 @@ typedef struct ncr_map_file_opts {
     bool half;         /* EXR: store halves */
     ncr_ktx2_format ktx2;
     double exposure; /* PNG: factor before clip and sRGB curve; 0: 1 */
+    /* NULL; or a map that level 0 is made of while it is written, as by ncr_map_file_make: then
+       levels[0] needs no texels, and this map is not to be used any more. */
+    ncr_directional_map *first;
 } ncr_map_file_opts;
 
 /** A map that is to be written, where none is there yet: see ncr_directional_map_fill. */

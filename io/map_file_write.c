@@ -141,12 +141,20 @@ static ncr_status put_level(map_writer *w, uint32_t level, ncr_convention_rows *
     return status;
 }
 
+/* The rows of a level; the first may be made of another map. */
+static ncr_status open_level(const map_writer *w, uint32_t level, const ncr_directional_map *map,
+                             uint32_t size, ncr_convention_rows *out)
+{
+    ncr_directional_map *spare = level == 0 ? w->o.first : NULL;
+    return ncr_convention_rows_open(w->ctx, w->o.as.convention, w->o.as.world, spare ? spare : map,
+                                    spare, size ? size : map->size, out);
+}
+
 static ncr_status put_map(map_writer *w, uint32_t level, const ncr_directional_map *map,
                           uint32_t size)
 {
     ncr_convention_rows rows;
-    ncr_status status =
-        ncr_convention_rows_open(w->ctx, w->o.as.convention, w->o.as.world, map, NULL, size, &rows);
+    ncr_status status = open_level(w, level, map, size, &rows);
     if (status == NCR_OK) {
         status = put_level(w, level, &rows, NULL);
         ncr_convention_rows_close(w->ctx, &rows);
@@ -182,8 +190,7 @@ ncr_status ncr_map_file_write_levels(const ncr_ctx *ctx, const char *path,
         return write_texture(&w, levels, count, report);
     if (count != 1)
         return ncr_fail(ctx, NCR_E_ARG, "%s: of the formats only .ktx2 holds levels", path);
-    status = ncr_convention_rows_open(ctx, w.o.as.convention, w.o.as.world, levels, NULL, w.o.size,
-                                      &rows);
+    status = open_level(&w, 0, levels, w.o.size, &rows);
     if (status == NCR_OK) {
         status = write_image(&w, &rows);
         ncr_convention_rows_close(ctx, &rows);
@@ -293,6 +300,7 @@ ncr_status ncr_map_file_make(const ncr_ctx *ctx, const char *path, ncr_direction
     if (status != NCR_OK)
         return status;
     ncr_map_state(w.o.as, w.text);
+    w.o.first = NULL;
     if (mips && !is_texture(&w))
         return ncr_fail(ctx, NCR_E_ARG, "%s: of the formats only .ktx2 holds levels", path);
     status = open_rows(&w, map, function, &rows);

@@ -174,6 +174,29 @@ static void rows_and_levels_on_the_way_are_those_of_the_whole(void **state)
     }
 }
 
+/* A chain's mirror is made of the map while it is written: the same file as from a level at hand. */
+static void a_first_level_is_made_while_it_is_written(void **state)
+{
+    (void)state;
+    const file_path held = file_at("held.ktx2"), made = file_at("made.ktx2");
+    ncr_directional_map in, levels[2];
+    CHECK_STATUS(NCR_OK, ncr_directional_map_init(ctx, NCR_MAP_LATLONG, 97, 3, &in));
+    CHECK_STATUS(NCR_OK, ncr_directional_map_fill(ctx, &in, 0, ncr_orientation_chart, NULL));
+    for (uint32_t k = 0; k < 2; k++) {
+        CHECK_STATUS(NCR_OK, ncr_directional_map_init(ctx, NCR_MAP_CUBE, 24 >> k, 3, &levels[k]));
+        CHECK_STATUS(NCR_OK, ncr_directional_map_convert(ctx, &in, &levels[k]));
+    }
+    CHECK_STATUS(NCR_OK, ncr_map_file_write_levels(ctx, held.text, levels, 2, NULL, NULL));
+    ncr_directional_map_dispose(ctx, &levels[0]);
+    CHECK_STATUS(NCR_OK, ncr_map_shape(ctx, NCR_MAP_CUBE, 24, 3, (ncr_axes){{0}}, &levels[0]));
+    CHECK_STATUS(NCR_OK,
+                 ncr_map_file_write_levels(ctx, made.text, levels, 2,
+                                           NCR_OPTS(ncr_map_file_opts, .first = &in), NULL));
+    check_same_bytes(held, made);
+    ncr_directional_map_dispose(ctx, &levels[1]);
+    ncr_directional_map_dispose(ctx, &in);
+}
+
 /* ---- Analysis -------------------------------------------------------------------------------- */
 
 static void transforms_of_the_largest_maps_stay_within_bounds(void **state)
@@ -220,6 +243,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(a_file_becomes_another_with_little_beside_the_map),
         cmocka_unit_test(rows_and_levels_on_the_way_are_those_of_the_whole),
+        cmocka_unit_test(a_first_level_is_made_while_it_is_written),
         cmocka_unit_test(transforms_of_the_largest_maps_stay_within_bounds),
         cmocka_unit_test(a_map_is_analysed_with_little_beside_it),
     };
