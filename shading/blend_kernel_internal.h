@@ -25,7 +25,6 @@ static inline wide wide3_dot(wide3 a, wide3 b)
 typedef struct weight_row {
     uint32_t at[4][NCR_BLEND_ROW]; /* position, in bytes; a missing point's is the row of zeros */
     float w[4][NCR_BLEND_ROW];
-    uint64_t strange; /* pixels with a length that float squares cannot tell */
 } weight_row;
 
 static inline void find_positions(const ncr_blend_rows *rows, weight_row *out)
@@ -48,9 +47,10 @@ static inline wide3 load_points(const ncr_blend_rows *rows, const uint32_t *at)
     return (wide3){a, b, c};
 }
 
-/* Cosines of a candidate, 0 where there is none or it lies behind. */
-static inline void find_cosines(const ncr_blend_rows *rows, unsigned j, size_t k, bool absolute,
-                                weight_row *out)
+/* Cosines of a candidate, 0 where there is none or it lies behind; returns where its length is one
+ * that float squares cannot tell. */
+static inline wide_mask find_cosines(const ncr_blend_rows *rows, unsigned j, size_t k,
+                                     bool absolute, weight_row *out)
 {
     const wide_int none = wide_int_set((int32_t)(rows->points * sizeof *rows->position));
     const wide_mask valid = wide_int_less(wide_int_load(out->at[j] + k), none);
@@ -60,12 +60,21 @@ static inline void find_cosines(const ncr_blend_rows *rows, unsigned j, size_t k
     const wide square = wide3_dot(to, to), zero = wide_set(0);
     const wide_mask usable = mask_and(wide_ge(square, wide_set(ncr_blend_square_min)),
                                       wide_ge(wide_set(ncr_blend_square_max), square));
-    out->strange |= (uint64_t)mask_bits(mask_and(valid, mask_not(usable))) << k;
-
     const wide dot = wide_div(wide3_dot(axis, to), wide_sqrt(square));
     const wide cosine = absolute ? wide_abs(dot) : dot;
-    const wide_mask counts = mask_and(valid, wide_negative(wide_sub(zero, cosine)));
-    wide_store(out->w[j] + k, wide_select(counts, cosine, zero));
+    wide_store(out->w[j] + k, wide_select(valid, wide_max(cosine, zero), zero));
+    return mask_and(valid, mask_not(usable));
+}
+
+/* Those of all four candidates; bits of the pixels that have a strange length. */
+static inline uint64_t find_four_cosines(const ncr_blend_rows *rows, size_t k, bool absolute,
+                                         weight_row *out)
+{
+    const wide_mask a = find_cosines(rows, 0, k, absolute, out);
+    const wide_mask b = find_cosines(rows, 1, k, absolute, out);
+    const wide_mask c = find_cosines(rows, 2, k, absolute, out);
+    const wide_mask d = find_cosines(rows, 3, k, absolute, out);
+    return (uint64_t)mask_bits(mask_or(mask_or(a, b), mask_or(c, d))) << k;
 }
 
 /* Exponent 0: the points there are, alike. */
@@ -123,15 +132,13 @@ static inline wide_mask store_normalised(const ncr_blend_rows *rows, size_t k, c
 static inline uint64_t weigh_rows(const ncr_blend_rows *rows, unsigned exponent, bool absolute)
 {
     weight_row row;
-    row.strange = 0;
+    uint64_t odd = 0;
     if (exponent) {
         find_positions(rows, &row);
         for (size_t k = 0; k < NCR_BLEND_ROW; k += WIDE)
-            for (unsigned j = 0; j < 4; j++)
-                find_cosines(rows, j, k, absolute, &row);
+            odd |= find_four_cosines(rows, k, absolute, &row);
     } else
         count_points(rows, &row);
-    uint64_t odd = row.strange;
     for (size_t k = 0; k < NCR_BLEND_ROW; k += WIDE) {
         wide w[4] = {wide_load(row.w[0] + k), wide_load(row.w[1] + k), wide_load(row.w[2] + k),
                      wide_load(row.w[3] + k)};

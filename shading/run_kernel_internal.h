@@ -74,12 +74,19 @@ static void reflect(ncr_run *run)
 static void look_up_points(const ncr_sample_map *map, ncr_run *run)
 {
     const four_points *four = (const four_points *)(const void *)map->index;
-    uint64_t found[NCR_RUN];
+    union {
+        uint64_t texel[NCR_RUN];
+        uint16_t point[NCR_RUN][NCR_CANDIDATES];
+    } found;
     for (size_t k = 0; k < run->count; k++)
-        found[k] = four[run->texel[k]];
-    for (int j = 0; j < NCR_CANDIDATES; j++)
-        for (size_t k = 0; k < run->count; k++)
-            run->point[j][k] = (uint16_t)(found[k] >> 16 * j);
+        found.texel[k] = four[run->texel[k]];
+    uint16_t(*restrict out)[NCR_RUN] = run->point;
+    for (size_t k = 0; k < run->count; k++) {
+        out[0][k] = found.point[k][0];
+        out[1][k] = found.point[k][1];
+        out[2][k] = found.point[k][2];
+        out[3][k] = found.point[k][3];
+    }
 }
 
 /* Pixels from `begin` on that are neighbours in the image. */
