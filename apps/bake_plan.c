@@ -88,17 +88,14 @@ void bake_plan_collect(bake_plan *plan, const ncr_plan *made)
 
 static void put_saving(const ncr_plan_part *part, char *out, size_t room)
 {
-    const double rays = part->of_rays ? (double)part->saved_rays / (double)part->of_rays : 0;
-    const double bytes = part->of_bytes ? (double)part->saved_bytes / (double)part->of_bytes : 0;
     size_t length = 0;
     out[0] = 0;
     if (part->saved_rays)
-        length = (size_t)snprintf(out, room, "%.2f M rays (%.0f %% of %.2f M)",
-                                  1e-6 * (double)part->saved_rays, 100 * rays,
-                                  1e-6 * (double)part->of_rays);
+        length = (size_t)snprintf(out, room, "%.2f M rays (%.1f %% of all)",
+                                  1e-6 * (double)part->saved_rays, 100 * part->ray_share);
     if (part->saved_bytes && length < room)
-        snprintf(out + length, room - length, "%s%.1f MB (%.0f %%)", length ? " and " : "",
-                 1e-6 * (double)part->saved_bytes, 100 * bytes);
+        snprintf(out + length, room - length, "%s%.1f MB (%.1f %% of all)", length ? " and " : "",
+                 1e-6 * (double)part->saved_bytes, 100 * part->byte_share);
 }
 
 static void explain_part(const app *a, const ncr_plan_part *part)
@@ -116,12 +113,15 @@ static void explain_part(const app *a, const ncr_plan_part *part)
 void bake_plan_explain(const app *a, const bake_plan *plan, const ncr_plan *made)
 {
     const ncr_plan_part *part;
-    uint64_t kept;
+    uint64_t kept, rays, bytes;
     const uint64_t tiles = ncr_plan_tiles(made, &kept);
-    app_say(a, "plan: for %s, seen from %s: %llu of %llu tiles",
+    ncr_plan_whole(made, &rays, &bytes);
+    app_say(a,
+            "plan: for %s, seen from %s: %llu of %llu tiles; all: %.2f M rays of views and maps, "
+            "%.1f MB",
             plan->methods ? plan->methods : "any method",
             plan->opts.camera ? plan->camera : "anywhere", (unsigned long long)kept,
-            (unsigned long long)tiles);
+            (unsigned long long)tiles, 1e-6 * (double)rays, 1e-6 * (double)bytes);
     for (size_t k = 0; (part = ncr_plan_part_at(made, k)) != NULL; k++)
         explain_part(a, part);
 }
@@ -137,11 +137,12 @@ void bake_plan_warn(const app *a, const ncr_plan *made)
 
 static json_t *part_json(const ncr_plan_part *part)
 {
-    return json_pack("{s:s, s:s, s:s, s:f, s:I, s:I, s:I, s:I, s:I}", "part", part->part, "reason",
-                     part->reason, "counter", part->counter, "bound", part->bound, "saved_rays",
-                     (json_int_t)part->saved_rays, "of_rays", (json_int_t)part->of_rays,
-                     "saved_bytes", (json_int_t)part->saved_bytes, "of_bytes",
-                     (json_int_t)part->of_bytes, "refuted", (json_int_t)part->refuted);
+    return json_pack("{s:s, s:s, s:s, s:f, s:I, s:I, s:f, s:I, s:I, s:f, s:I}", "part", part->part,
+                     "reason", part->reason, "counter", part->counter, "bound", part->bound,
+                     "saved_rays", (json_int_t)part->saved_rays, "of_rays",
+                     (json_int_t)part->of_rays, "ray_share", part->ray_share, "saved_bytes",
+                     (json_int_t)part->saved_bytes, "of_bytes", (json_int_t)part->of_bytes,
+                     "byte_share", part->byte_share, "refuted", (json_int_t)part->refuted);
 }
 
 json_t *bake_plan_json(const ncr_plan *made)

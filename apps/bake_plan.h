@@ -28,8 +28,8 @@ void bake_plan_explain(const app *a, const bake_plan *plan, const ncr_plan *made
 /** Say so where a sample of what was left out proved the plan wrong. */
 void bake_plan_warn(const app *a, const ncr_plan *made);
 
-/** [{part, reason, bound, saved_rays, of_rays, saved_bytes, of_bytes, refuted}] of what is left
- *  out. */
+/** [{part, reason, counter, bound, saved_rays, of_rays, ray_share, saved_bytes, of_bytes,
+ *  byte_share, refuted}] of what is left out. */
 json_t *bake_plan_json(const ncr_plan *made);
 
 #endif

@@ -18,6 +18,7 @@ struct ncr_plan {
     uint8_t *omitted; /* [(tiles + 7) / 8] bits by tile number; NULL: none is */
     bool depth;
     uint64_t tiles, kept;
+    uint64_t whole_rays, whole_bytes;
     size_t part_count;
     ncr_plan_part parts[part_room];
     char reasons[part_room][reason_room];
@@ -283,6 +284,18 @@ static void describe_sight(const ncr_plan_opts *opts, ncr_plan *plan)
     part->refuted = cost->refuted;
 }
 
+static void find_shares(const ncr_plan_opts *opts, ncr_plan *plan)
+{
+    const ncr_sample_map_stats *maps = opts->map_stats;
+    plan->whole_rays = all_texels(plan) + (maps ? maps->rays + maps->skipped : 0);
+    plan->whole_bytes = all_texels(plan) * (texel_size(opts) + sizeof(float));
+    for (size_t k = 0; k < plan->part_count; k++) {
+        ncr_plan_part *part = &plan->parts[k];
+        part->ray_share = (double)part->saved_rays / (double)plan->whole_rays;
+        part->byte_share = (double)part->saved_bytes / (double)plan->whole_bytes;
+    }
+}
+
 static ncr_status check(const ncr_ctx *ctx, const plan_subject *subject, const ncr_plan_opts *opts)
 {
     if (opts->struct_size != sizeof *opts)
@@ -330,6 +343,7 @@ ncr_status ncr_plan_create(const ncr_ctx *ctx, const ncr_world *world, const ncr
     }
     describe_depth(opts, plan);
     describe_sight(opts, plan);
+    find_shares(opts, plan);
     *out = plan;
     return NCR_OK;
 }
@@ -363,6 +377,12 @@ uint64_t ncr_plan_tiles(const ncr_plan *plan, uint64_t *kept)
     if (kept)
         *kept = plan->kept;
     return plan->tiles;
+}
+
+void ncr_plan_whole(const ncr_plan *plan, uint64_t *rays, uint64_t *bytes)
+{
+    *rays = plan->whole_rays;
+    *bytes = plan->whole_bytes;
 }
 
 const ncr_plan_part *ncr_plan_part_at(const ncr_plan *plan, size_t k)

@@ -46,6 +46,7 @@ typedef struct ncr_plan_part {
     double bound; /* on what that changes in a pixel, linear radiance; 0: nothing, to the bit */
     uint64_t saved_rays, saved_bytes; /* view rays, of `sight` its own; bytes of texels */
     uint64_t of_rays, of_bytes;       /* that there are of these without any plan */
+    double ray_share, byte_share;     /* saved, of all that ncr_plan_whole counts */
     uint64_t refuted;                 /* samples of what was left out that proved it wrong: 0 */
 } ncr_plan_part;
 
@@ -86,6 +87,10 @@ NCR_API const uint8_t *ncr_plan_omitted(const ncr_plan *plan);
 NCR_API bool ncr_plan_keeps_depth(const ncr_plan *plan);
 /** All tiles, and those captured. */
 NCR_API uint64_t ncr_plan_tiles(const ncr_plan *plan, uint64_t *kept);
+/** What there is without any plan: rays of views and, where map_stats was given, of the sample maps,
+ *  those left out among them; bytes of all texels with their distances. Shadow rays, which a capture
+ *  alone can count, come on top of the views that ask for them. */
+NCR_API void ncr_plan_whole(const ncr_plan *plan, uint64_t *rays, uint64_t *bytes);
 /** Part k, left out or not; NULL past the last. Borrowed until destroy. */
 NCR_API const ncr_plan_part *ncr_plan_part_at(const ncr_plan *plan, size_t k);
 

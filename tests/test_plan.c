@@ -625,6 +625,12 @@ static void counts_add_up_and_force_restores(void **state)
     assert_true(part->omitted && !ncr_plan_keeps_depth(plan));
     assert_int_equal((all - left_out) * 4, part->saved_bytes);
     assert_null(part_of(plan, "mirror"));
+    uint64_t whole_rays, whole_bytes;
+    ncr_plan_whole(plan, &whole_rays, &whole_bytes);
+    assert_int_equal(all, whole_rays);
+    assert_int_equal(all * 10, whole_bytes);
+    CHECK_NEAR(part->byte_share, (double)part->saved_bytes / (double)whole_bytes, 1e-15);
+    CHECK_NEAR(part_of(plan, "tiles")->ray_share, (double)left_out / (double)all, 1e-15);
     ncr_plan_destroy(&one_worker, plan);
 
     plan = make_plan(&s, 100, &camera, "cosine-n:4,nearest", NCR_PLAN_ALL);
