@@ -117,16 +117,42 @@ static void run_chunk(size_t begin, size_t end, unsigned worker, void *arg)
     c->fn(begin, end, worker, c->arg);
 }
 
-static void openmp_for(unsigned workers, size_t count, size_t grain, ncr_range_fn *fn, void *arg)
+/* The OpenMP runtime is not instrumented, so the thread sanitizer has to be told what it orders:
+ * what was done before the team before each chunk, and each chunk before what follows the team.
+ * Nothing is said of one chunk and another: those must not share what one of them writes. */
+#ifdef __SANITIZE_THREAD__
+#include <sanitizer/tsan_interface.h>
+#define UNSEEN __attribute__((no_sanitize("thread")))
+static void order_before(char *event)
+{
+    __tsan_release(event);
+}
+static void order_after(char *event)
+{
+    __tsan_acquire(event);
+}
+#else
+#define UNSEEN
+#define order_before(event) ((void)(event))
+#define order_after(event) ((void)(event))
+#endif
+
+UNSEEN static void openmp_for(unsigned workers, size_t count, size_t grain, ncr_range_fn *fn,
+                              void *arg)
 {
     const size_t chunks = (count + grain - 1) / grain;
     const int team = (int)(workers < chunks ? workers : chunks);
+    char begun, ended;
+    order_before(&begun);
 #pragma omp parallel for schedule(dynamic, 1) num_threads(team)
     for (size_t k = 0; k < chunks; k++) {
         const size_t begin = k * grain;
         const size_t end = count - begin < grain ? count : begin + grain;
+        order_after(&begun);
         fn(begin, end, (unsigned)omp_get_thread_num(), arg);
+        order_before(&ended);
     }
+    order_after(&ended);
 }
 
 ncr_status ncr_parallel_for(const ncr_ctx *ctx, size_t count, size_t grain, ncr_range_fn *fn,

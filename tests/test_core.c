@@ -6,6 +6,7 @@
 #include "core/image.h"
 #include "core/numerics.h"
 
+#include <stdatomic.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -76,14 +77,15 @@ static void the_fast_half_conversion_agrees_with_the_plain_one(void **state)
 typedef struct visit {
     unsigned char seen[1000];
     size_t grain;
-    bool bad;
+    atomic_bool bad;
 } visit;
 
 static void mark(size_t begin, size_t end, unsigned worker, void *arg)
 {
     visit *v = arg;
     (void)worker;
-    v->bad |= begin % v->grain != 0 || end - begin > v->grain;
+    if (begin % v->grain != 0 || end - begin > v->grain)
+        atomic_store(&v->bad, true);
     for (size_t k = begin; k < end; k++)
         v->seen[k]++;
 }
