@@ -6,8 +6,10 @@
  * the object and its points, in which all segments lie.
  *
  * A surface whose neighbourhood lies below every tangent plane is convex if it is closed and of one
- * piece [Tietze28]. Both are seen to by comparing some planes, spread over the object, with all of
- * it; what is left to chance in that, the segments confirm that are traced all the same.
+ * piece [Tietze28]: neighbours are compared by all triangles, closed and of one piece the mesh is to
+ * the bit. Neighbours are compared to rounding, which may add up where many cave in a little; what
+ * that makes is as wide as many triangles, and 256 planes spread over the object are compared with all
+ * of it. The segments that are traced all the same confirm it.
  *
  * This file follows:
  * [Tietze28]   H. Tietze. Ueber Konvexheit im kleinen und im grossen. 1928
@@ -16,6 +18,7 @@
 #include "sampling/clear_space_internal.h"
 
 #include "core/vec_internal.h"
+#include "sampling/closed_mesh_internal.h"
 
 #include <math.h>
 #include <stdatomic.h>
@@ -213,8 +216,10 @@ ncr_status ncr_clear_space_find(const ncr_ctx *ctx, const ncr_sight *sight, uint
                      .clearance = tolerance + 2 * tolerance / sight->horizon.cos};
     const size_t chosen = mesh.vertex_count ? (mesh.vertex_count - 1) / plane_stride(&mesh) + 1 : 0;
     ncr_status status = NCR_OK;
-    if (!passes(ctx, &job, mesh.triangle_count, 4096, local_range, &status) ||
-        !passes(ctx, &job, chosen, 8, global_range, &status))
+    bool closed = false;
+    if (!passes(ctx, &job, chosen, 8, global_range, &status) ||
+        !passes(ctx, &job, mesh.triangle_count, 4096, local_range, &status) ||
+        (status = ncr_closed_mesh_find(ctx, &mesh, &closed)) != NCR_OK || !closed)
         *out = NCR_SIGHT_HOLLOW;
     else if (!passes(ctx, &job, sight->points->count, 16, clearance_range, &status))
         *out = NCR_SIGHT_CLOSE;

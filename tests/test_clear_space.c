@@ -2,7 +2,8 @@
 #include "tests/check.h"
 
 #include "core/vec_internal.h"
-#include "sampling/sample_map_internal.h"
+#include "geometry/bezier_piece_internal.h"
+#include "sampling/clear_space_internal.h"
 #include "tests/solids.h"
 #include "tests/worlds.h"
 
@@ -145,6 +146,111 @@ static void a_dimple_is_found(void **state)
     ncr_scene_destroy(NULL, scene);
 }
 
+/* What geometry says of a body within 1 of the origin and points on a sphere of 1.2 about it. */
+static ncr_sight_kind sight_of(ncr_surface *surface, double chord)
+{
+    const ncr_object_desc object = {.name = "body", .surface = surface, .chord = chord};
+    ncr_scene *scene = NULL;
+    ncr_candidates points;
+    ncr_sight_kind said = NCR_SIGHT_UNKNOWN;
+    check_random r = {.seed = 5};
+    CHECK_STATUS(NCR_OK, ncr_scene_create(NULL, 1, &object, NULL, &scene));
+    ncr_surface_destroy(NULL, surface);
+    assert_true(ncr_candidates_init(NULL, 40, &points));
+    for (points.count = 0; points.count < 40; points.count++) {
+        double d[3];
+        solid_direction(&r, d);
+        for (int c = 0; c < 3; c++)
+            d[c] *= 1.2;
+        ncr_frame_from_model(ncr_scene_frame(scene), d, d);
+        points.x[points.count] = d[0];
+        points.y[points.count] = d[1];
+        points.z[points.count] = d[2];
+    }
+    const ncr_sight sight = {.scene = scene,
+                             .points = &points,
+                             .horizon = ncr_horizon_of(85),
+                             .lift = ncr_visibility_lift(scene, 0)};
+    CHECK_STATUS(NCR_OK, ncr_clear_space_find(&one_worker, &sight, 0, &said));
+    ncr_candidates_dispose(NULL, &points);
+    ncr_scene_destroy(NULL, scene);
+    return said;
+}
+
+enum { cuts = 16, pieces = sphere_patches * cuts * cuts };
+
+/* A patch's halves, eight times: pieces of a 16th by a 16th. */
+static void cut(const ncr_bezier_piece *piece, int depth, double (**out)[16][3])
+{
+    if (depth == 8) {
+        memcpy(*(*out)++, piece->p, sizeof piece->p);
+        return;
+    }
+    ncr_bezier_piece half[2];
+    ncr_bezier_piece_split(piece, depth < 4, half);
+    cut(&half[0], depth + 1, out);
+    cut(&half[1], depth + 1, out);
+}
+
+/* One of 2048 pieces of a ball caved in: smaller than what lies between any planes that are compared
+ * with all of the ball, so that what neighbours see of each other has to find it. */
+static void a_dent_between_the_planes_that_are_compared_is_found(void **state)
+{
+    static double whole[pieces][16][3], dented[pieces][16][3];
+    double(*next)[16][3] = whole;
+    ncr_surface *ball = solid_sphere();
+    (void)state;
+    for (uint32_t k = 0; k < sphere_patches; k++) {
+        ncr_bezier_piece patch;
+        ncr_bezier_piece_of(ball, k, &patch);
+        cut(&patch, 0, &next);
+    }
+    ncr_surface_destroy(NULL, ball);
+    for (uint32_t k = 0; k < 12; k++) {
+        static const int inner[4] = {5, 6, 9, 10};
+        memcpy(dented, whole, sizeof whole);
+        for (int i = 0; k && i < 4; i++)
+            for (int c = 0; c < 3; c++)
+                dented[(k * 1237 + 555) % pieces][inner[i]][c] *= 0.996;
+        const ncr_sight_kind said = sight_of(solid_surface(pieces, dented), 1e-3);
+        CHECK(said == (k ? NCR_SIGHT_HOLLOW : NCR_SIGHT_CLEAR), "dent %u: %d", k, (int)said);
+    }
+}
+
+/* Two squares back to back, `height` above the unit sphere along d: closed, flat, and so small that
+ * few planes of the sphere could tell. */
+static void put_card(const double d[3], double height, double nets[2][16][3])
+{
+    double a[3], b[3];
+    const double up[3] = {d[1], d[2], d[0]};
+    d_cross(up, d, a);
+    d_normalize(a);
+    d_cross(d, a, b);
+    for (int k = 0; k < 16; k++)
+        for (int c = 0; c < 3; c++) {
+            const double u = (k % 4 - 1.5) * 0.003, v = (k / 4 - 1.5) * 0.003;
+            nets[0][k][c] = (1 + height) * d[c] + u * a[c] + v * b[c];
+            nets[1][k / 4 * 4 + 3 - k % 4][c] = nets[0][k][c];
+        }
+}
+
+/* These are convex wherever one looks, and yet not: half a ball, and a ball with a card above it. */
+static void bodies_that_are_open_or_of_two_pieces_are_not_convex(void **state)
+{
+    double nets[sphere_patches + 2][16][3];
+    check_random r = {.seed = 11};
+    (void)state;
+    solid_sphere_nets(nets);
+    assert_int_equal(NCR_SIGHT_CLEAR, sight_of(solid_surface(sphere_patches, nets), 2e-4));
+    assert_int_equal(NCR_SIGHT_HOLLOW, sight_of(solid_surface(sphere_patches / 2, nets), 2e-4));
+    for (int k = 0; k < 12; k++) {
+        double d[3];
+        solid_direction(&r, d);
+        put_card(d, 0.002, nets + sphere_patches);
+        assert_int_equal(NCR_SIGHT_HOLLOW, sight_of(solid_surface(sphere_patches + 2, nets), 2e-4));
+    }
+}
+
 static void hollow_bodies_and_bodies_of_two_pieces_are_not_convex(void **state)
 {
     (void)state;
@@ -282,6 +388,8 @@ int main(void)
         cmocka_unit_test(a_ball_alone_needs_one_ray_in_sixteen),
         cmocka_unit_test(a_dent_is_found),
         cmocka_unit_test(a_dimple_is_found),
+        cmocka_unit_test(a_dent_between_the_planes_that_are_compared_is_found),
+        cmocka_unit_test(bodies_that_are_open_or_of_two_pieces_are_not_convex),
         cmocka_unit_test(hollow_bodies_and_bodies_of_two_pieces_are_not_convex),
         cmocka_unit_test(other_objects_count_only_where_segments_pass),
         cmocka_unit_test(points_on_the_surface_or_in_it_are_too_close),
