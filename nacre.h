@@ -35,6 +35,7 @@
 #include "shading/capture.h"
 #include "shading/convention.h"
 #include "shading/cube.h"
+#include "shading/data_size.h"
 #include "shading/cube_texel.h"
 #include "shading/directional_map.h"
 #include "shading/distant.h"

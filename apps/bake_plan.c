@@ -1,6 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 #include "apps/bake_plan.h"
 
+#include "shading/data_size.h"
+
 #include <stdio.h>
 #include <string.h>
 
@@ -124,6 +126,17 @@ void bake_plan_explain(const app *a, const bake_plan *plan, const ncr_plan *made
             (unsigned long long)tiles, 1e-6 * (double)rays, 1e-6 * (double)bytes);
     for (size_t k = 0; (part = ncr_plan_part_at(made, k)) != NULL; k++)
         explain_part(a, part);
+}
+
+void bake_plan_compare(const app *a, uint64_t texels)
+{
+    app_say(
+        a,
+        "for comparison, by each of the %.2f M texels of the maps: %.1f MB as observations from "
+        "300 eyes, %.1f MB as 64 harmonics, %.1f MB as one fitted lobe",
+        1e-6 * (double)texels, 1e-6 * (double)ncr_data_size_observations(texels, 300),
+        1e-6 * (double)ncr_data_size_harmonics(texels, 8),
+        1e-6 * (double)ncr_data_size_lobes(texels, 1));
 }
 
 void bake_plan_warn(const app *a, const ncr_plan *made)

@@ -22,6 +22,9 @@ ncr_status bake_plan_parse(const app *a, const stage *s, bool is_float, bake_pla
 /** List what was left out. */
 void bake_plan_collect(bake_plan *plan, const ncr_plan *made);
 
+/** Say what light kept for each texel of the surface would take, in the forms of [M]. */
+void bake_plan_compare(const app *a, uint64_t texels);
+
 /** Say what is left out and what is kept, and why. */
 void bake_plan_explain(const app *a, const bake_plan *plan, const ncr_plan *made);
 

@@ -254,6 +254,8 @@ static void say_summary(const bake_options *o, const stage *s, const ncr_baked *
     const app *a = &o->common;
     const char *name = ncr_scene_object_name(s->world->scene, s->object);
     const double epsilon = o->epsilon > 0 ? o->epsilon : s->preset->epsilon[0];
+    if (o->explain)
+        bake_plan_compare(a, r->total.texels);
     if (!o->field) {
         app_say(a, "%s: %zu points at %g units, %u patches; nothing captured without -o", name,
                 baked->points.count, epsilon, baked->map.patch_count);

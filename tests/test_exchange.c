@@ -6,6 +6,7 @@
 
 #include "core/half.h"
 #include "io/image_file.h"
+#include "shading/data_size.h"
 
 /* 1156 cubes of float RGB, as the thesis counts them. */
 static void light_of_known_counts_has_its_known_size(void **state)
@@ -32,6 +33,18 @@ static uint64_t write_whole(const made_field *f, const char *path)
 }
 
 /* What the calculator says is what lies in the file, but for the file's own tables. */
+/* 512^2 texels: 300 observations, one and three lobes, 64 harmonics.                     */
+static void other_forms_of_light_have_their_known_sizes(void **state)
+{
+    const uint64_t texels = 512 * 512, mib = 1 << 20;
+    (void)state;
+    assert_true(ncr_data_size_observations(texels, 300) == 1572864000u);
+    assert_true(ncr_data_size_lobes(texels, 1) == 10 * mib);
+    assert_true(ncr_data_size_lobes(texels, 3) == 22 * mib);
+    assert_true(ncr_data_size_harmonics(texels, 8) == 192 * mib);
+    assert_true(ncr_data_size_observations(UINT64_C(1) << 32, 300) == UINT64_C(6000) << 32);
+}
+
 static void the_size_on_disk_is_the_size_told(void **state)
 {
     (void)state;
@@ -191,6 +204,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(light_of_known_counts_has_its_known_size),
+        cmocka_unit_test(other_forms_of_light_have_their_known_sizes),
         cmocka_unit_test(the_size_on_disk_is_the_size_told),
         cmocka_unit_test(a_field_is_the_same_bytes_everywhere),
         cmocka_unit_test(the_smallest_image_survives_and_an_empty_one_is_refused),
