@@ -3,12 +3,9 @@
 # Every file that the command reads, missing, empty, cut, renamed, not finite, oversized, of another
 # version: an exit code, a sentence with the file's name, and nothing written.
 #   check_bad_input.sh NACRE SOURCE_FOLDER
-set -euo pipefail
-nacre=$(realpath "$1")
-cd "$2"
-work=$(mktemp -d)
-trap 'rm -rf "$work"' EXIT
-failures=0 asked=0
+. "$(dirname "$0")/prelude.sh"
+begin "$1" "$2"
+asked=0
 mkdir "$work/good" "$work/bad" "$work/out"
 good=$work/good bad=$work/bad
 
@@ -61,6 +58,9 @@ use() {
         refuse "$codes" "$name" compare "$file" "$file"
         refuse "$codes" "$name" env "$file" --from latlong -q -o "$work/out/a.exr"
         refuse "$codes" "$name" render "$good/small.json" --method mirror --env "$file" -q -o "$work/out/a.png"
+        refuse "$codes" "$name" prefilter "$file" --from latlong -q -o "$work/out/a.exr"
+        refuse "$codes" "$name" rsibr "$file" --brdf mirror --from latlong --size 8 -q -o "$work/out/m"
+        refuse "$codes" "$name" rsibr "$file" --import-ball --circle 8,8,7 -q -o "$work/out/a.exr"
         refuse "$codes" "$name" info "$file"
         ;;
     esac
@@ -94,7 +94,7 @@ use "$bad/nan.patches" "4"
 put "$bad/nan.ktx2" $(($(stat -c %s "$bad/nan.ktx2") - 16)) '\0\0\300\177'
 told=$("$nacre" info "$bad/nan.ktx2" 2>&1; "$nacre" env "$bad/nan.ktx2" -o "$bad/nan.exr" 2>&1)
 [[ $told == *"1 not finite"* && $told == *"1 were not finite and are now 0"* ]] ||
-    { echo "NaN in an image: $told" >&2; failures=$((failures + 1)); }
+    fail "NaN in an image: $told"
 
 # --- oversized, another version ---
 sed -E 's/^points .*/points 99999999999/' "$good/small.patches" >"$bad/huge.patches"
@@ -124,27 +124,44 @@ cp "$good/i.ktx2" "$bad/version.ktx2"
 put "$bad/version.ktx2" 5 '11'
 use "$bad/version.ktx2" "4"
 
-# --- a field: each of its files, and the whole ---
+# --- a field and a folder of radiance maps: each of their files, and the whole ---
+"$nacre" rsibr "$good/i.exr" --brdf phong:20 --size 8 -q -o "$good/s.maps"
+renew() { rm -rf "$bad/h.$1" && cp -r "$good/s.$1" "$bad/h.$1"; }
+
 # harm PART CODES: the field in $bad/h.field is refused by the file's name
 harm() {
     refuse "$2" "$1" info "$bad/h.field" --verify
     refuse "$2" "$1" render $scene --field "$bad/h.field" --method cosine-n:4 -q -o "$work/out/a.png"
-    rm -rf "$bad/h.field"
-    cp -r "$good/s.field" "$bad/h.field"
+    renew field
 }
-cp -r "$good/s.field" "$bad/h.field"
-parts=$(ls "$good/s.field")
-for part in $parts; do
-    rm "$bad/h.field/$part"
-    harm "$part" "3"
-    : >"$bad/h.field/$part"
-    harm "$part" "4"
-    truncate -s -3 "$bad/h.field/$part"
-    harm "$part" "4"
+
+# harm_maps PART CODES: and so are the radiance maps in $bad/h.maps
+harm_maps() {
+    refuse "$2" h.maps info "$bad/h.maps"
+    refuse "$2" "$1" render $scene --method rsibr --maps "$bad/h.maps" -q -o "$work/out/a.png"
+    renew maps
+}
+
+# harm_parts FOLDER HOW: each file gone, empty, cut, another's
+harm_parts() {
+    local at=$bad/h.$1 how=$2 part
+    renew "$1"
+    for part in $(ls "$good/s.$1"); do
+        rm "$at/$part"
+        $how "$part" "3"
+        : >"$at/$part"
+        $how "$part" "4"
+        truncate -s -3 "$at/$part"
+        $how "$part" "4"
+        cp "$good/i.hdr" "$at/$part"
+        $how "$part" "4"
+    done
+}
+harm_parts field harm
+harm_parts maps harm_maps
+for part in $(ls "$good/s.field"); do
     truncate -s 5G "$bad/h.field/$part"
     harm "$part" "4 5"
-    cp "$good/i.hdr" "$bad/h.field/$part"
-    harm "$part" "4"
 done
 sed -i -E 's/("version": *)[0-9]+/\199/' "$bad/h.field/field.json"
 harm field.json 4
@@ -156,6 +173,16 @@ put "$bad/h.field/points.ply" $(offset "$bad/h.field/points.ply" 'end_header.') 
 harm points.ply 4
 put "$bad/h.field/radiance.exr" $(($(stat -c %s "$bad/h.field/radiance.exr") - 8)) '\0\176\0\176\0\176\0\176'
 harm radiance.exr 4
+sheet=$(cd "$good/s.maps" && ls maps-*.exr)
+sed -i 's|nacre.rsibr/1|nacre.rsibr/9|' "$bad/h.maps/rsibr.json"
+harm_maps rsibr.json 4
+sed -i -E '0,/("size": *)[0-9]+/s//\1999999999/' "$bad/h.maps/rsibr.json"
+harm_maps rsibr.json "4 5"
+sed -i -E '0,/("exponent": *)[0-9.]+/s//\1NaN/' "$bad/h.maps/rsibr.json"
+harm_maps rsibr.json 4
+"$nacre" env --chart --to latlong --size 16 -q -o "$bad/h.maps/$sheet" # sound, but not these maps
+harm_maps "$sheet" 4
+refuse 3 rsibr.json render $scene --method rsibr --maps "$bad/gone.maps" -q -o "$work/out/a.png"
 refuse 3 gone.field info "$bad/gone.field"
 refuse 3 gone.field render $scene --field "$bad/gone.field" --method cosine-n:4 -q -o "$work/out/a.png"
 

@@ -2,16 +2,8 @@
 # SPDX-License-Identifier: MIT
 # The bench: every row runs and agrees with its rivals, and prints what scripts rely on. How fast is
 # nobody's business here.   check_bench.sh NACRE SOURCE_FOLDER
-set -euo pipefail
-nacre=$(realpath "$1")
-cd "$2"
-work=$(mktemp -d)
-trap 'rm -rf "$work"' EXIT
-
-fail() {
-    echo "$*" >&2
-    exit 1
-}
+. "$(dirname "$0")/prelude.sh"
+begin "$1" "$2"
 
 "$nacre" bench bezier-flaot 2>"$work/err" && fail "an unknown row passes"
 grep -q "did you mean bezier-float" "$work/err" || fail "no row is offered: $(cat "$work/err")"
@@ -40,3 +32,4 @@ jq -e --argjson rows "$rows" '(.results | length == $rows) and
            .rate > 0 and .error >= 0 and .error < 1e-3)' "$work/all.json" >/dev/null ||
     fail "a row is missing or disagrees: $(jq -c '.results[] | [.name, .rate, .error]' "$work/all.json")"
 echo "$rows rows agree with their rivals"
+finish

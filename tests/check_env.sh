@@ -2,27 +2,8 @@
 # SPDX-License-Identifier: MIT
 # nacre env: what it writes says how it lies, other tools read it the way it says, and what it is not
 # told it does not guess.   check_env.sh NACRE SOURCE_FOLDER
-set -euo pipefail
-nacre=$(realpath "$1")
-cd "$2"
-work=$(mktemp -d)
-trap 'rm -rf "$work"' EXIT
-failures=0
-
-fail() {
-    echo "$*" >&2
-    failures=$((failures + 1))
-}
-
-# expect CODE PATTERN arguments...: exit code, and a pattern that stderr must hold
-expect() {
-    local code=$1 pattern=$2 got=0
-    shift 2
-    "$nacre" "$@" >"$work/out" 2>"$work/err" </dev/null || got=$?
-    if [ $got -ne "$code" ] || ! grep -qE -- "$pattern" "$work/err"; then
-        fail "nacre $*: exit $got (expected $code), stderr (expected /$pattern/): $(cat "$work/err")"
-    fi
-}
+. "$(dirname "$0")/prelude.sh"
+begin "$1" "$2"
 
 # same A B LIMIT: the root mean square of the difference of the values is at most LIMIT
 same() {
@@ -203,5 +184,4 @@ else
     echo "exrenvmap is not installed: what the OpenEXR library makes of the files was not checked"
 fi
 
-[ $failures -eq 0 ] && echo "all as it should be"
-exit $((failures > 0))
+finish

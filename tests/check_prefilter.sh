@@ -2,28 +2,8 @@
 # SPDX-License-Identifier: MIT
 # nacre prefilter: tolerances kept or refused, files that read back, what is said of lights, ringing
 # and energy.   check_prefilter.sh NACRE
-set -euo pipefail
-nacre=$(realpath "$1")
-work=$(mktemp -d)
-trap 'rm -rf "$work"' EXIT
-failures=0
-
-# expect CODE PATTERN command...: exit code, and a pattern that stderr must hold
-expect() {
-    local code=$1 pattern=$2 got=0
-    shift 2
-    "$nacre" "$@" >"$work/out" 2>"$work/err" </dev/null || got=$?
-    if [ $got -ne "$code" ] || ! grep -qE -- "$pattern" "$work/err"; then
-        echo "nacre $*: exit $got (expected $code), stderr (expected /$pattern/):" >&2
-        cat "$work/err" >&2
-        failures=$((failures + 1))
-    fi
-}
-
-# holds EXPRESSION: true of the JSON of the last command
-holds() {
-    jq -e "$1" "$work/out" >/dev/null || { echo "not so: $1" >&2; failures=$((failures + 1)); }
-}
+. "$(dirname "$0")/prelude.sh"
+begin "$1"
 
 map=$work/map.exr
 "$nacre" env --chart --to latlong --size 64 -o "$map" -q
@@ -45,7 +25,7 @@ expect 2 "go with --lobe chain" prefilter "$map" --levels 4 -o "$work/a.exr"
 expect 2 "did you mean cube" prefilter "$map" --kind cub -o "$work/a.exr"
 expect 3 "No such" prefilter "$work/no.exr" -o "$work/a.exr"
 expect 3 "" prefilter "$map" -o "$work/no/such/folder/a.exr"
-[ ! -e "$work/a.exr" ] || { echo "a refused prefilter left a file" >&2; failures=$((failures + 1)); }
+[ ! -e "$work/a.exr" ] || fail "a refused prefilter left a file"
 
 # Every lobe into every kind keeps its tolerance, and the bound is one.
 kinds=(cube octahedral latlong sphere paraboloid)
@@ -126,4 +106,4 @@ for threads in 1 3; do
 done
 cmp "$work/w1.exr" "$work/w3.exr" || failures=$((failures + 1))
 
-[ $failures -eq 0 ] || { echo "$failures failures" >&2; exit 1; }
+finish

@@ -3,12 +3,8 @@
 # The report of the shipped scene holds what the project promises (A-54): every light-field row is
 # closer to the ray trace than the environment map, by the stated factors, and reconstruction is
 # close to exact.   check_report.sh NACRE SOURCE_FOLDER PRESET
-set -euo pipefail
-nacre=$(realpath "$1")
-cd "$2"
-work=$(mktemp -d)
-trap 'rm -rf "$work"' EXIT
-failures=0
+. "$(dirname "$0")/prelude.sh"
+begin "$1" "$2"
 
 "$nacre" report data/scenes/gazebo.json --preset "$3" --experiments reconstruction,mirror --repeats 1 \
     --quiet --json -o "$work/r" >"$work/stdout.json"
@@ -40,4 +36,4 @@ for cube in $(jq -r '[.rows[] | select(.method == "envmap") | .cube] | unique | 
 done
 must "reconstruction improves with the cube" '[.rows[] | select(.method == "nearest")] | sort_by(.cube) |
     map(.rmse.L) | . == (sort | reverse)'
-exit $((failures > 0))
+finish

@@ -2,11 +2,8 @@
 # SPDX-License-Identifier: MIT
 # Bakes that are cut short: killed at random moments, interrupted, gone on with other settings. The
 # field in the end has the bytes of one that was never cut short.   check_resume.sh NACRE SOURCE
-set -euo pipefail
-nacre=$(realpath "$1")
-cd "$2"
-work=$(mktemp -d)
-trap 'rm -rf "$work"' EXIT
+. "$(dirname "$0")/prelude.sh"
+begin "$1" "$2"
 RANDOM=${SEED:=$$}
 echo "seed $SEED"
 

@@ -2,27 +2,8 @@
 # SPDX-License-Identifier: MIT
 # nacre rsibr: maps are written, described, and rendered with; what makes no sense is refused.
 #   check_rsibr.sh NACRE SOURCE_FOLDER
-set -euo pipefail
-nacre=$(realpath "$1")
-cd "$2"
-work=$(mktemp -d)
-trap 'rm -rf "$work"' EXIT
-failures=0
-
-fail() {
-    echo "$*" >&2
-    failures=$((failures + 1))
-}
-
-# expect CODE PATTERN arguments...: exit code, and a pattern that stderr must hold
-expect() {
-    local code=$1 pattern=$2 got=0
-    shift 2
-    "$nacre" "$@" >"$work/out" 2>"$work/err" </dev/null || got=$?
-    if [ $got -ne "$code" ] || ! grep -qE -- "$pattern" "$work/err"; then
-        fail "nacre $*: exit $got (expected $code), stderr (expected /$pattern/): $(cat "$work/err")"
-    fi
-}
+. "$(dirname "$0")/prelude.sh"
+begin "$1" "$2"
 
 scene=data/scenes/trio.json
 view="--size 117x45 --object-only"
@@ -77,4 +58,4 @@ expect 2 "three numbers" rsibr "$work/ball.exr" --import-ball --circle 1,2 -o "$
 expect 2 "of no material" rsibr "$work/ball.exr" --import-ball --brdf mirror -o "$work/back.exr"
 expect 2 "0.5 radii" rsibr "$work/ball.exr" --import-ball --circle 50,50,49 --distance 0.5 -o "$work/back.exr"
 
-exit $failures
+finish

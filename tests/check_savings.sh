@@ -3,12 +3,8 @@
 # What docs/command.md claims of each rule of a plan: at the setting stated there, on a shipped scene,
 # it saves a tenth of all rays that a bake traces, or of all bytes that it writes; --force brings them
 # back; and nothing that is left out is missed.   check_savings.sh NACRE SOURCE_FOLDER        [Z-02 Z-03 Z-06 Z-07]
-set -euo pipefail
-nacre=$(realpath "$1")
-cd "$2"
-work=$(mktemp -d)
-trap 'rm -rf "$work"' EXIT
-failures=0
+. "$(dirname "$0")/prelude.sh"
+begin "$1" "$2"
 
 # bake FORCED arguments...: rays traced and bytes written, of light, shadows, views and maps
 bake() {
@@ -34,7 +30,7 @@ claim() {
     jq -e --arg rule "$rule" --arg what "$what" '.omitted | length == 1 and (.[0] | .part == $rule and
         .bound == 0 and .refuted == 0 and (if $what == "rays" then .ray_share else .byte_share end) >= 0.1 and
         (.counter | IN("trapped", "missed_distances", "refuted")))' "$work/bake.json" >/dev/null ||
-        { jq -c .omitted "$work/bake.json" >&2; failures=$((failures + 1)); }
+        fail "$rule: $(jq -c .omitted "$work/bake.json")"
     "$nacre" render data/scenes/spheres.json --preset quick --field "$work/field" --method cosine-n:4 --json --quiet \
         --size 96x64 -o "$work/image.exr" "${looks[@]}" | jq -e '.trapped == 0 and .missed_distances == 0' >/dev/null ||
         failures=$((failures + 1))
@@ -46,4 +42,4 @@ claim depth bytes tiles,mirror,sight
 claim sight rays tiles,mirror,depth --map 256
 looks=(--object ball)
 claim mirror rays depth,sight --object ball --for cosine-n:4,nearest
-exit $((failures > 0))
+finish

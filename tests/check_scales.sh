@@ -2,12 +2,8 @@
 # SPDX-License-Identifier: MIT
 # A scene file with every length multiplied, or moved, gives the same picture: the same bytes for a
 # power of two, and 1e-5 for the rest.   check_scales.sh NACRE SOURCE_FOLDER      [S-01, A-44, A-56]
-set -euo pipefail
-nacre=$(realpath "$1")
-cd "$2"
-work=$(mktemp -d)
-trap 'rm -rf "$work"' EXIT
-failures=0
+. "$(dirname "$0")/prelude.sh"
+begin "$1" "$2"
 
 # Every length of the scene by $f, then everything moved by $m along all axes. Patterns repeat every
 # 0.5, so a move by a multiple of 1 leaves them where they are on the floor.
@@ -45,7 +41,7 @@ nearly_same() {
     rmse=$("$nacre" compare "$work/plain-$2.exr" "$work/$1-$2.exr" --json -q |
         jq '[.rmse.R, .rmse.G, .rmse.B] | max')
     echo "$1 $2: RMSE $rmse"
-    jq -ne "$rmse <= 1e-5" >/dev/null || { echo "^ above 1e-5" >&2; failures=$((failures + 1)); }
+    jq -ne "$rmse <= 1e-5" >/dev/null || fail "^ above 1e-5"
 }
 
 two_to_100=1267650600228229401496703205376
@@ -63,4 +59,4 @@ for image in field trace; do
         nearly_same $name $image
     done
 done
-exit $((failures > 0))
+finish
