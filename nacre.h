@@ -32,6 +32,7 @@
 #include "shading/ball_photo.h"
 #include "shading/blend.h"
 #include "shading/brdf.h"
+#include "shading/brushed.h"
 #include "shading/capture.h"
 #include "shading/convention.h"
 #include "shading/cube.h"

@@ -75,9 +75,10 @@ double ncr_microfacet_eval(const ncr_microfacet *m, const double v[3], const dou
 /* --- sampling --------------------------------------------------------------------------------- */
 
 /* Stretch v, take a point of the disc that the hemisphere shows it, and stretch back. [Heitz18] */
-static void sample_visible(double a, const double v[3], const double u[2], double h[3])
+void ncr_facets_sample_visible(double ax, double ay, const double v[3], const double u[2],
+                               double h[3])
 {
-    double w[3] = {a * v[0], a * v[1], v[2]};
+    double w[3] = {ax * v[0], ay * v[1], v[2]};
     d_normalize(w);
     const double across = hypot(w[0], w[1]);
     const double x[3] = {across > 0 ? -w[1] / across : 1, across > 0 ? w[0] / across : 0, 0};
@@ -88,8 +89,8 @@ static void sample_visible(double a, const double v[3], const double u[2], doubl
     const double z = sqrt(fmax(0, 1 - p * p - q * q));
     for (int k = 0; k < 3; k++)
         h[k] = p * x[k] + q * y[k] + z * w[k];
-    h[0] *= a;
-    h[1] *= a;
+    h[0] *= ax;
+    h[1] *= ay;
     h[2] = fmax(h[2], 1e-300);
     d_normalize(h);
 }
@@ -108,7 +109,7 @@ void ncr_microfacet_sample(const ncr_microfacet *m, const double v[3], const dou
 {
     double h[3];
     if (m->facets == NCR_FACETS_GGX)
-        sample_visible(m->alpha, v, u, h);
+        ncr_facets_sample_visible(m->alpha, m->alpha, v, u, h);
     else
         sample_beckmann(m->alpha, u, h);
     const double twice = 2 * d_dot(v, h);

@@ -17,4 +17,8 @@ double ncr_microfacet_shadow(const ncr_microfacet *m, double n_v, double n_l, do
 double ncr_facets_variable(const ncr_microfacet *m, double t);
 double ncr_facets_share(const ncr_microfacet *m, double z, double *t);
 
+/* A facet of GGX, of alpha ax along x and ay along y, by how much of it v sees. [Heitz18] */
+void ncr_facets_sample_visible(double ax, double ay, const double v[3], const double u[2],
+                               double h[3]);
+
 #endif
