@@ -32,6 +32,8 @@ enum { fewest_degrees = 64 };
 
 typedef struct table_job {
     ncr_fixed_view *fixed;
+    ncr_fixed_view_ring_fn *ring; /* NULL: the gloss of `fixed`, which is even in the azimuth */
+    const void *user;
     ncr_row_set set;   /* of one normal's ring: data and spectrum by worker */
     const float *lift; /* [width/2 + 1] 1 - cos of the azimuth */
     float *row_work;   /* [workers][row_floats] */
@@ -39,7 +41,7 @@ typedef struct table_job {
 } table_job;
 
 /* The inverse of ncr_grid_row at a row's middle: x from x + b x / (x + at) = u, a quadratic. */
-static double polar_angle(const ncr_fixed_view *f, uint32_t row)
+double ncr_fixed_view_polar_angle(const ncr_fixed_view *f, uint32_t row)
 {
     const double b = (double)f->grid.bend, at = (double)f->grid.bend_at;
     const double u = (f->rows - row - 0.5) / (double)f->grid.per_radian, p = u - at - b;
@@ -50,7 +52,8 @@ static double polar_angle(const ncr_fixed_view *f, uint32_t row)
 static ncr_facet_ring ring_of(const ncr_fixed_view *f, uint32_t row_n, uint32_t row_h)
 {
     const ncr_microfacet *m = &f->gloss.facets;
-    const double n = polar_angle(f, row_n), h = polar_angle(f, row_h);
+    const double n = ncr_fixed_view_polar_angle(f, row_n);
+    const double h = ncr_fixed_view_polar_angle(f, row_h);
     return (ncr_facet_ring){
         .beckmann = m->facets == NCR_FACETS_BECKMANN,
         .cavity = m->shadowing == NCR_SHADOWING_VCAVITY,
@@ -99,14 +102,15 @@ static void fill_ring(const table_job *job, uint32_t row_n, float *data)
     }
 }
 
-/* The matrix rows of one ring of normals: cosine series of fill_ring, over width. */
-static void store_ring(const table_job *job, uint32_t row_n, const ncr_row_set *set)
+/* The matrix rows of one ring of normals: the cosine (part 0) or sine (1) series of its data, over
+ * width. */
+static void store_ring(const table_job *job, uint32_t row_n, int part, const ncr_row_set *set)
 {
     const ncr_fixed_view *f = job->fixed;
-    const float scale = 0.5f / (float)f->width;
-    float *out = f->matrix + (size_t)row_n * f->orders * f->padded;
+    const float scale = (part ? -0.5f : 0.5f) / (float)f->width;
+    float *out = (part ? f->odd : f->matrix) + (size_t)row_n * f->orders * f->padded;
     for (uint32_t m = 0; m < f->orders; m++, out += f->padded) {
-        const float *sum = set->spectrum + (size_t)m * 4 * set->padded;
+        const float *sum = set->spectrum + ((size_t)m * 4 + (size_t)part) * set->padded;
         const float *difference = sum + 2 * (size_t)set->padded;
         memset(out, 0, f->padded * sizeof *out);
         for (uint32_t q = 0; q < set->pairs; q++) {
@@ -125,10 +129,15 @@ static void fill_matrix(size_t first, size_t past, unsigned worker, void *arg)
     set.data = work;
     set.spectrum = work + job->data_floats;
     for (size_t i = first; i < past; i++) {
-        fill_ring(job, (uint32_t)i, set.data);
+        if (job->ring)
+            job->ring(job->fixed, (uint32_t)i, job->user, set.data);
+        else
+            fill_ring(job, (uint32_t)i, set.data);
         for (uint32_t q = 0; q < set.pairs; q += kernels->lanes)
             kernels->rows_to_spectrum(&set, q, work + job->data_floats + job->spectrum_floats);
-        store_ring(job, (uint32_t)i, &set);
+        store_ring(job, (uint32_t)i, 0, &set);
+        if (job->fixed->odd)
+            store_ring(job, (uint32_t)i, 1, &set);
     }
 }
 
@@ -149,19 +158,19 @@ size_t ncr_fixed_view_spectrum(const ncr_row_set *set)
     return (size_t)set->orders * 4 * set->channels * set->padded;
 }
 
-static ncr_status make_matrix(const ncr_ctx *ctx, ncr_fixed_view *f)
+ncr_status ncr_fixed_view_tabulate(const ncr_ctx *ctx, ncr_fixed_view *f,
+                                   ncr_fixed_view_ring_fn *ring, const void *user)
 {
     const unsigned workers = ncr_ctx_workers(ctx);
     const uint32_t half = f->width / 2 + 1;
-    table_job job = {.fixed = f, .set = ncr_fixed_view_rows(f, 1)};
+    table_job job = {.fixed = f, .ring = ring, .user = user, .set = ncr_fixed_view_rows(f, 1)};
     job.data_floats = (size_t)f->rows * f->width;
     job.spectrum_floats = ncr_fixed_view_spectrum(&job.set);
     job.row_floats = job.data_floats + job.spectrum_floats + ncr_row_scratch(&job.set);
     float *lift = ncr_alloc(ctx, half * sizeof *lift);
     job.row_work = ncr_alloc(ctx, workers * job.row_floats * sizeof(float));
-    f->matrix = ncr_alloc(ctx, (size_t)f->rows * f->orders * f->padded * sizeof(float));
     ncr_status status = NCR_E_NOMEM;
-    if (lift && job.row_work && f->matrix) {
+    if (lift && job.row_work) {
         for (uint32_t k = 0; k < half; k++)
             lift[k] = (float)(2 * pow(sin(pi * k / f->width), 2));
         job.lift = lift;
@@ -172,15 +181,18 @@ static ncr_status make_matrix(const ncr_ctx *ctx, ncr_fixed_view *f)
     return status;
 }
 
-static ncr_status make_tables(const ncr_ctx *ctx, ncr_fixed_view *f)
+ncr_status ncr_fixed_view_grid(const ncr_ctx *ctx, double alpha, bool odd, ncr_fixed_view *f)
 {
-    const double degrees = fmax(fewest_degrees, ceil(detail / f->gloss.facets.alpha));
+    const double degrees = fmax(fewest_degrees, ceil(detail / alpha));
     f->orders = (uint32_t)degrees + 1;
     f->rows = (uint32_t)(ceil(1.5 * degrees) + horizon_rows);
     f->padded = (f->rows + NCR_WIDEST - 1) / NCR_WIDEST * NCR_WIDEST;
     f->width = 2 * ncr_fft_smooth_above((uint32_t)(3 * degrees));
+    const size_t entries = (size_t)f->rows * f->orders * f->padded;
+    f->matrix = ncr_alloc(ctx, entries * sizeof *f->matrix);
+    f->odd = odd ? ncr_alloc(ctx, entries * sizeof *f->odd) : NULL;
     f->weights = ncr_alloc(ctx, (NCR_GRID_WIDE_FLOATS + NCR_GRID_TALL_FLOATS) * sizeof *f->weights);
-    if (!f->weights)
+    if (!f->weights || !f->matrix || (odd && !f->odd))
         return NCR_E_NOMEM;
     ncr_grid_weights_fill(f->weights);
     const double bend = horizon_rows * pi / (3 * degrees);
@@ -192,8 +204,13 @@ static ncr_status make_tables(const ncr_ctx *ctx, ncr_fixed_view *f)
                                 .stride = ((size_t)f->width + 2 * NCR_GRID_BORDER) * 4,
                                 .wide = f->weights,
                                 .tall = f->weights + NCR_GRID_WIDE_FLOATS};
-    const ncr_status status = ncr_fft_init(ctx, f->width, &f->fft);
-    return status ? status : make_matrix(ctx, f);
+    return ncr_fft_init(ctx, f->width, &f->fft);
+}
+
+static ncr_status make_tables(const ncr_ctx *ctx, ncr_fixed_view *f)
+{
+    const ncr_status status = ncr_fixed_view_grid(ctx, f->gloss.facets.alpha, false, f);
+    return status ? status : ncr_fixed_view_tabulate(ctx, f, NULL, NULL);
 }
 
 ncr_status ncr_fixed_view_create(const ncr_ctx *ctx, const ncr_gloss *gloss, ncr_fixed_view **out)
@@ -221,6 +238,7 @@ void ncr_fixed_view_destroy(const ncr_ctx *ctx, ncr_fixed_view *f)
         return;
     ncr_fft_dispose(ctx, &f->fft);
     ncr_free(ctx, f->matrix);
+    ncr_free(ctx, f->odd);
     ncr_free(ctx, f->weights);
     ncr_free(ctx, f);
 }

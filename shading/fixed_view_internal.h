@@ -16,9 +16,31 @@ struct ncr_fixed_view {
     uint32_t padded; /* rows, rounded up to NCR_WIDEST */
     ncr_fft fft;
     float *matrix;  /* [row of n][order][padded row of h] */
+    float *odd;     /* the same of what is odd in the azimuth; NULL: nothing is */
     float *weights; /* of 8 neighbours */
     ncr_sphere_grid grid;
 };
+
+/* A grid fine enough for facets of this alpha, with room for the tables. */
+ncr_status ncr_fixed_view_grid(const ncr_ctx *ctx, double alpha, bool odd, ncr_fixed_view *fixed);
+
+/* Reflectance from every half-vector, [row of h][width] by azimuth, to a normal of a row at azimuth
+ * 0. Called from many threads. */
+typedef void ncr_fixed_view_ring_fn(const ncr_fixed_view *fixed, uint32_t row_n, const void *user,
+                                    float *data);
+
+/* Fill the tables of a grid; ring NULL: by its gloss. */
+ncr_status ncr_fixed_view_tabulate(const ncr_ctx *ctx, ncr_fixed_view *fixed,
+                                   ncr_fixed_view_ring_fn *ring, const void *user);
+
+/* Of the middle of a row, from the eye. */
+double ncr_fixed_view_polar_angle(const ncr_fixed_view *fixed, uint32_t row);
+
+/* Render a view by the tables, and by those of the mirrored reflectance, whose odd part has the
+ * other sign: out[2][count][channels]. Without an odd part, out[1][count][channels]. */
+ncr_status ncr_fixed_view_render_both(const ncr_ctx *ctx, const ncr_fixed_view *fixed,
+                                      const ncr_image *map, ncr_vec3 view, size_t count,
+                                      const ncr_vec3 *normals, float *out);
 
 /* Rings of so many channels, for the row kernels, and the size of their spectrum. */
 ncr_row_set ncr_fixed_view_rows(const ncr_fixed_view *fixed, uint32_t channels);

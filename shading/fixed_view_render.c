@@ -9,7 +9,8 @@
  * of its frequency, transformed back, and looked up at the normals.
  *
  * Near grazing what a surface reflects of a sun changes faster than any grid could tell. Lights with
- * more than a hundredth of the power are left out of the grid and added at each normal by themselves. */
+ * more than a hundredth of the power are left out of the grid and added at each normal by themselves;
+ * but not of what is not even in the azimuth, whose reflectance is not known here. */
 
 static const double pi = 3.14159265358979323846;
 static const double bright_share = 0.01;
@@ -29,6 +30,7 @@ typedef struct render_job {
     float *vectors; /* [order][2 channels][padded] light by half-vector; */
     float *scratch;
     size_t scratch_floats;
+    float sign; /* of the odd part */
     const ncr_eye_frame *frame;
     const ncr_vec3 *normals;
     float *out;
@@ -53,39 +55,65 @@ static void transform_back(size_t first, size_t past, unsigned worker, void *arg
                                   job->scratch + worker * job->scratch_floats);
 }
 
-/* One order: rings of light out of their pairs, times the matrix, back into pairs. */
+/* Rings of light out of their pairs, by order. */
+static void split_pairs(size_t first, size_t past, unsigned worker, void *arg)
+{
+    const render_job *job = arg;
+    const size_t columns = 2 * job->channels, padded = job->fixed->padded, rows = job->fixed->rows;
+    (void)worker;
+    for (size_t m = first; m < past; m++) {
+        const float *spectrum = job->set.spectrum + m * 2 * columns * job->set.padded;
+        float *light = job->vectors + m * columns * padded;
+        for (size_t k = 0; k < columns; k++, light += padded) {
+            const float *sum = spectrum + k * job->set.padded;
+            const float *difference = sum + columns * job->set.padded;
+            memset(light, 0, padded * sizeof *light);
+            for (size_t q = 0; q < job->set.pairs; q++) {
+                light[q] = 0.5f * (sum[q] + difference[q]);
+                light[rows - 1 - q] = 0.5f * (sum[q] - difference[q]);
+            }
+        }
+    }
+}
+
+/* One normal's ring at one order: (C + i S) light, C and S the even and the odd table. */
+static void multiply_ring(const render_job *job, size_t i, size_t m, float *got)
+{
+    const ncr_fixed_view *f = job->fixed;
+    const ncr_sht_kernels *kernels = ncr_sht_kernels_get();
+    const size_t channels = job->channels, columns = 2 * channels, padded = f->padded;
+    const size_t at = (i * f->orders + m) * padded;
+    const float *light = job->vectors + m * columns * padded;
+    kernels->dot_rows(padded, f->matrix + at, columns, padded, light, got);
+    if (!f->odd)
+        return;
+    float crossed[8];
+    kernels->dot_rows(padded, f->odd + at, columns, padded, light, crossed);
+    for (size_t c = 0; c < channels; c++) {
+        got[c] -= job->sign * crossed[channels + c];
+        got[channels + c] += job->sign * crossed[c];
+    }
+}
+
+/* One order: light times the tables, into pairs. */
 static void multiply_orders(size_t first, size_t past, unsigned worker, void *arg)
 {
     const render_job *job = arg;
-    const ncr_fixed_view *f = job->fixed;
-    const ncr_sht_kernels *kernels = ncr_sht_kernels_get();
-    const size_t columns = 2 * job->channels, padded = f->padded, rows = f->rows;
+    const size_t columns = 2 * job->channels, rows = job->fixed->rows, padded = job->set.padded;
     (void)worker;
     for (size_t m = first; m < past; m++) {
-        float *spectrum = job->set.spectrum + m * 2 * columns * job->set.padded;
-        float *light = job->vectors + m * columns * padded, got[8];
-        for (size_t k = 0; k < columns; k++) {
-            float *sum = spectrum + k * job->set.padded;
-            const float *difference = sum + columns * job->set.padded;
-            memset(light + k * padded, 0, padded * sizeof *light);
-            for (size_t q = 0; q < job->set.pairs; q++) {
-                light[k * padded + q] = 0.5f * (sum[q] + difference[q]);
-                light[k * padded + rows - 1 - q] = 0.5f * (sum[q] - difference[q]);
-            }
-            memset(sum, 0, job->set.padded * sizeof *sum);
-            memset(sum + columns * job->set.padded, 0, job->set.padded * sizeof *sum);
-        }
+        float *spectrum = job->set.spectrum + m * 2 * columns * padded, got[8];
+        memset(spectrum, 0, 2 * columns * padded * sizeof *spectrum);
         for (size_t i = 0; i < rows; i++) {
             const bool below = i >= job->set.pairs;
             const size_t q = below ? rows - 1 - i : i;
-            kernels->dot_rows(padded, f->matrix + (i * f->orders + m) * padded, columns, padded,
-                              light, got);
+            multiply_ring(job, i, m, got);
             /* The ring in the middle of an odd number is its own mirror image. */
             const float share = rows - 1 - i == i ? 1.0f : 0.5f;
             for (size_t k = 0; k < columns; k++) {
-                spectrum[k * job->set.padded + q] += share * got[k];
+                spectrum[k * padded + q] += share * got[k];
                 if (share < 1)
-                    spectrum[(columns + k) * job->set.padded + q] +=
+                    spectrum[(columns + k) * padded + q] +=
                         below ? -share * got[k] : share * got[k];
             }
         }
@@ -182,33 +210,41 @@ static ncr_status find_lights(const ncr_ctx *ctx, const ncr_image *map, ncr_pref
     return status;
 }
 
+/* Light that has been brought to `vectors`, reflected and looked up. */
+static ncr_status reflect(const ncr_ctx *ctx, render_job *job, size_t batches, size_t count)
+{
+    ncr_status status = ncr_parallel_for(ctx, job->fixed->orders, 4, multiply_orders, job);
+    if (!status)
+        status = ncr_parallel_for(ctx, batches, 1, transform_back, job);
+    return status ? status : ncr_parallel_for(ctx, count, 256, look_up, job);
+}
+
 static ncr_status render(const ncr_ctx *ctx, render_job *job, const ncr_image *map, size_t count)
 {
     const ncr_fixed_view *f = job->fixed;
     const uint32_t lanes = ncr_sht_kernels_get()->lanes;
     const size_t batches = (job->set.pairs + lanes - 1) / lanes;
-    ncr_status status = find_lights(ctx, map, &job->lights);
+    ncr_status status = f->odd ? NCR_OK : find_lights(ctx, map, &job->lights);
     if (!status)
         status = ncr_fixed_view_gather(ctx, f, map, job->frame, job->lights.point_count,
                                        job->lights.points, job->set.data);
     if (!status)
         status = ncr_parallel_for(ctx, batches, 1, transform_light, job);
     if (!status)
-        status = ncr_parallel_for(ctx, f->orders, 4, multiply_orders, job);
-    if (!status)
-        status = ncr_parallel_for(ctx, batches, 1, transform_back, job);
-    return status ? status : ncr_parallel_for(ctx, count, 256, look_up, job);
+        status = ncr_parallel_for(ctx, f->orders, 4, split_pairs, job);
+    for (int side = 0; !status && side < (f->odd ? 2 : 1); side++) {
+        job->sign = side ? -1.0f : 1.0f;
+        status = reflect(ctx, job, batches, count);
+        job->out += count * job->channels;
+    }
+    return status;
 }
 
-ncr_status ncr_fixed_view_render(const ncr_ctx *ctx, const ncr_fixed_view *f, const ncr_image *map,
-                                 ncr_vec3 view, size_t count, const ncr_vec3 *normals, float *out)
+ncr_status ncr_fixed_view_render_both(const ncr_ctx *ctx, const ncr_fixed_view *f,
+                                      const ncr_image *map, ncr_vec3 view, size_t count,
+                                      const ncr_vec3 *normals, float *out)
 {
-    if (map->width == 0 || map->height == 0 || map->channels < 1 || map->channels > 4)
-        return ncr_fail(ctx, NCR_E_ARG, "fixed view: a %ux%u map of %u channels", map->width,
-                        map->height, map->channels);
     const ncr_eye_frame frame = ncr_eye_frame_of(view);
-    if (f->sharp)
-        return ncr_fixed_view_facets(ctx, f, map, &frame, count, normals, out);
     render_job job = {.fixed = f,
                       .set = ncr_fixed_view_rows(f, map->channels),
                       .channels = map->channels,
@@ -229,4 +265,17 @@ ncr_status ncr_fixed_view_render(const ncr_ctx *ctx, const ncr_fixed_view *f, co
     ncr_free(ctx, job.vectors);
     ncr_free(ctx, job.lights.points);
     return status;
+}
+
+ncr_status ncr_fixed_view_render(const ncr_ctx *ctx, const ncr_fixed_view *f, const ncr_image *map,
+                                 ncr_vec3 view, size_t count, const ncr_vec3 *normals, float *out)
+{
+    if (map->width == 0 || map->height == 0 || map->channels < 1 || map->channels > 4)
+        return ncr_fail(ctx, NCR_E_ARG, "fixed view: a %ux%u map of %u channels", map->width,
+                        map->height, map->channels);
+    if (f->sharp) {
+        const ncr_eye_frame frame = ncr_eye_frame_of(view);
+        return ncr_fixed_view_facets(ctx, f, map, &frame, count, normals, out);
+    }
+    return ncr_fixed_view_render_both(ctx, f, map, view, count, normals, out);
 }
