@@ -131,9 +131,9 @@ static double radiance_error(const ncr_rsibr *set, uint32_t view, double c)
     for (int i = 0; i < 3; i++)
         n[i] = c * f->axis[2][i] + sqrt(1 - c * c) * f->axis[1][i];
     const ncr_vec3 v = d_to_v(f->axis[2]), normal = d_to_v(n);
-    ncr_rsibr_shade(set, NULL, 1, &v, &normal, got);
+    ncr_rsibr_shade(set, NULL, 1, &v, &normal, NULL, got);
     for (uint32_t map = 0; map < set->maps; map++) {
-        ncr_rsibr_albedo(set, map, fmax(v_dot(v, normal), 0), part);
+        ncr_rsibr_albedo(set, map, fmax(v_dot(v, normal), 0), 0, part);
         d_mad(want, 1, part, want);
     }
     for (int i = 0; i < 3; i++)

@@ -156,6 +156,7 @@ static ncr_status prepare(render_job *job, const ncr_method *method, const ncr_m
         .tracer = traces ? &job->s.tracer : NULL,
         .distant = job->far.distant,
         .rsibr = job->o->maps ? &job->maps : NULL,
+        .surface = ncr_scene_object_surface(job->s.world->scene, job->s.object),
         .npr = job->npr.level[0].data ? &job->npr : NULL,
         .up = job->v.camera->up,
         .material = &job->s.world->materials[job->s.object],

@@ -28,7 +28,7 @@ NCR_API ncr_status ncr_rsibr_write(const ncr_ctx *ctx, const char *folder, const
  *  what the manifest says), NCR_E_IO, NCR_E_NOMEM. On failure *out is {0}. */
 NCR_API ncr_status ncr_rsibr_read(const ncr_ctx *ctx, const char *folder, ncr_rsibr *out);
 
-/** Words of a lobe: "mirror", "phong", "gloss", "lambert", "coated". Static storage. */
+/** Words of a lobe: "mirror", "phong", "gloss", "lambert", "coated", "brushed". Static storage. */
 NCR_API const char *ncr_rsibr_kind_name(ncr_rsibr_kind kind);
 
 NCR_END

@@ -5,10 +5,10 @@
 
 #include "io/rsibr_file.h"
 
-enum { NCR_RSIBR_NAME = 32 };
+enum { NCR_RSIBR_NAME = 32, NCR_RSIBR_SHEETS = NCR_RSIBR_LOBES * NCR_RSIBR_TURNS_MAX };
 
 extern const char ncr_rsibr_format[];
-extern const char *const ncr_rsibr_kinds[5], *const ncr_rsibr_facets[2],
+extern const char *const ncr_rsibr_kinds[6], *const ncr_rsibr_facets[2],
                                                  *const ncr_rsibr_shadowings[2];
 
 typedef struct ncr_rsibr_path {

@@ -23,8 +23,9 @@ static void read_fresnel(ncr_json at, ncr_fresnel *out)
 
 static void read_lobe(ncr_json at, ncr_rsibr_lobe *out)
 {
-    static const char *const known[] = {"kind",  "colour",  "exponent", "facets",  "shadowing",
-                                        "alpha", "fresnel", "coat",     "through", "albedo"};
+    static const char *const known[] = {"kind",      "colour", "exponent", "facets",
+                                        "shadowing", "alpha",  "fresnel",  "coat",
+                                        "through",   "albedo", "along",    "across"};
     size_t kind = 0, facets = 0, shadowing = 0;
     const ncr_json kind_at = ncr_json_member(&at, "kind");
     ncr_json_only(&at, NCR_WORDS(known));
@@ -35,6 +36,8 @@ static void read_lobe(ncr_json at, ncr_rsibr_lobe *out)
     ncr_json_word(ncr_json_member(&at, "facets"), NCR_WORDS(ncr_rsibr_facets), &facets);
     ncr_json_word(ncr_json_member(&at, "shadowing"), NCR_WORDS(ncr_rsibr_shadowings), &shadowing);
     ncr_json_number(ncr_json_member(&at, "alpha"), 0, 4, &out->gloss.facets.alpha);
+    ncr_json_number(ncr_json_member(&at, "along"), 0, 4, &out->brushed.along);
+    ncr_json_number(ncr_json_member(&at, "across"), 0, 4, &out->brushed.across);
     read_fresnel(ncr_json_member(&at, "fresnel"), &out->gloss.fresnel);
     read_fresnel(ncr_json_member(&at, "coat"), &out->coat);
     ncr_json_number(ncr_json_member(&at, "through"), 0, 8, &out->through);
@@ -46,7 +49,7 @@ static void read_lobe(ncr_json at, ncr_rsibr_lobe *out)
 /* What has to be known before there can be a set. */
 static void read_shape(const ncr_json *root, ncr_rsibr_brdf *brdf, ncr_rsibr_opts *opts)
 {
-    static const char *const known[] = {"format", "size",   "raw",  "single",
+    static const char *const known[] = {"format", "size",   "raw",  "single",     "turns",
                                         "lobes",  "sheets", "eyes", "conventions"};
     const char *format = "";
     const ncr_json format_at = ncr_json_member(root, "format");
@@ -64,6 +67,7 @@ static void read_shape(const ncr_json *root, ncr_rsibr_brdf *brdf, ncr_rsibr_opt
     ncr_json_count(size_at, 2, NCR_RSIBR_SIZE_MAX, &opts->size);
     ncr_json_bool(ncr_json_member(root, "raw"), &opts->raw);
     ncr_json_bool(ncr_json_member(root, "single"), &opts->single);
+    ncr_json_count(ncr_json_member(root, "turns"), 0, NCR_RSIBR_TURNS_MAX, &opts->turns);
     opts->views = (uint32_t)ncr_json_array(&eyes_at, 12, 642, "12, 42, 162 or 642 eyes");
     brdf->lobe_count = (uint32_t)ncr_json_array(&lobes_at, 1, NCR_RSIBR_LOBES, "1 to 4 lobes");
     for (uint32_t k = 0; k < brdf->lobe_count; k++)
@@ -98,10 +102,12 @@ static void read_details(const ncr_json *root, ncr_rsibr *set)
     for (uint32_t k = 0; k < set->brdf.lobe_count; k++) {
         const ncr_json lobe = ncr_json_element(&lobes, k);
         const ncr_json table = ncr_json_member(&lobe, "albedo");
-        if (set->brdf.lobe[k].kind != NCR_RSIBR_GLOSS)
+        uint32_t count;
+        float *albedo = ncr_rsibr_albedo_table(set, k, &count);
+        if (!count)
             continue;
         ncr_json_need(&table, "the albedo of a gloss");
-        ncr_json_floats(table, NCR_RSIBR_TABLE, 0, 1e3, set->albedo + (size_t)k * NCR_RSIBR_TABLE);
+        ncr_json_floats(table, count, 0, 1e3, albedo);
     }
 }
 

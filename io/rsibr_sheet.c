@@ -7,7 +7,7 @@
 #include <zlib.h>
 
 const char ncr_rsibr_format[] = "nacre.rsibr/1";
-const char *const ncr_rsibr_kinds[5] = {"mirror", "phong", "gloss", "lambert", "coated"};
+const char *const ncr_rsibr_kinds[6] = {"mirror", "phong", "gloss", "lambert", "coated", "brushed"};
 const char *const ncr_rsibr_facets[2] = {"ggx", "beckmann"};
 const char *const ncr_rsibr_shadowings[2] = {"smith", "v-cavity"};
 

@@ -38,10 +38,10 @@ static json_t *fresnel(const ncr_fresnel *f)
     return json_pack("{s:f, s:f}", "eta", f->eta, "k", f->k);
 }
 
-static json_t *table(const float *albedo)
+static json_t *table(const float *albedo, uint32_t count)
 {
     json_t *list = json_array();
-    for (int k = 0; k < NCR_RSIBR_TABLE; k++)
+    for (uint32_t k = 0; k < count; k++)
         json_array_append_new(list, json_real((double)albedo[k]));
     return list;
 }
@@ -53,13 +53,16 @@ static json_t *lobes(const ncr_rsibr *set)
         const ncr_rsibr_lobe *l = &set->brdf.lobe[k];
         const ncr_microfacet *m = &l->gloss.facets;
         json_t *lobe = json_pack(
-            "{s:s, s:[f,f,f], s:f, s:s, s:s, s:f, s:o, s:o, s:f}", "kind", ncr_rsibr_kinds[l->kind],
-            "colour", (double)l->colour[0], (double)l->colour[1], (double)l->colour[2], "exponent",
-            l->exponent, "facets", ncr_rsibr_facets[m->facets], "shadowing",
-            ncr_rsibr_shadowings[m->shadowing], "alpha", m->alpha, "fresnel",
-            fresnel(&l->gloss.fresnel), "coat", fresnel(&l->coat), "through", l->through);
-        if (l->kind == NCR_RSIBR_GLOSS)
-            json_object_set_new(lobe, "albedo", table(set->albedo + (size_t)k * NCR_RSIBR_TABLE));
+            "{s:s, s:[f,f,f], s:f, s:s, s:s, s:f, s:f, s:f, s:o, s:o, s:f}", "kind",
+            ncr_rsibr_kinds[l->kind], "colour", (double)l->colour[0], (double)l->colour[1],
+            (double)l->colour[2], "exponent", l->exponent, "facets", ncr_rsibr_facets[m->facets],
+            "shadowing", ncr_rsibr_shadowings[m->shadowing], "alpha", m->alpha, "along",
+            l->brushed.along, "across", l->brushed.across, "fresnel", fresnel(&l->gloss.fresnel),
+            "coat", fresnel(&l->coat), "through", l->through);
+        uint32_t count;
+        const float *albedo = ncr_rsibr_albedo_table(set, k, &count);
+        if (count)
+            json_object_set_new(lobe, "albedo", table(albedo, count));
         json_array_append_new(list, lobe);
     }
     return list;
@@ -68,7 +71,7 @@ static json_t *lobes(const ncr_rsibr *set)
 static json_t *conventions(void)
 {
     return json_pack(
-        "{s:s, s:s, s:s, s:s}", "sheets",
+        "{s:s, s:s, s:s, s:s, s:s}", "sheets",
         "all eyes side by side: eye k in column k % columns and row k / columns, "
         "columns = ceil(sqrt(eyes))",
         "place",
@@ -77,7 +80,13 @@ static json_t *conventions(void)
         "values",
         "linear radiance, Rec. 709; unless raw, divided by the directional albedo, its "
         "colour and its coat at cosine n.toward",
-        "albedo", "of gloss, without colour and coat, at cosine ((k + 1/2) / 256)^2");
+        "albedo",
+        "of gloss, without colour and coat, at cosine ((k + 1/2) / 256)^2; of brushed facets "
+        "for 17 azimuths of the eye, i pi / 32 about the normal from the tangent, in turn",
+        "turns",
+        "a brushed lobe has so many sheets: sheet j for tangents whose part across the "
+        "mirrored direction lies at j pi / turns from right mirrored at the normal, toward up "
+        "mirrored");
 }
 
 static json_t *manifest(const ncr_rsibr *set, const sheet_entry *entries)
@@ -86,9 +95,10 @@ static json_t *manifest(const ncr_rsibr *set, const sheet_entry *entries)
     for (uint32_t k = 0; k < set->maps; k++)
         json_array_append_new(sheets, json_pack("{s:s, s:I}", "file", entries[k].name, "crc32",
                                                 (json_int_t)entries[k].crc));
-    return json_pack("{s:s, s:i, s:b, s:b, s:o, s:o, s:o, s:o}", "format", ncr_rsibr_format, "size",
-                     (int)set->size, "raw", set->raw, "single", set->single, "lobes", lobes(set),
-                     "sheets", sheets, "eyes", eyes(set), "conventions", conventions());
+    return json_pack("{s:s, s:i, s:b, s:b, s:i, s:o, s:o, s:o, s:o}", "format", ncr_rsibr_format,
+                     "size", (int)set->size, "raw", set->raw, "single", set->single, "turns",
+                     (int)set->turns, "lobes", lobes(set), "sheets", sheets, "eyes", eyes(set),
+                     "conventions", conventions());
 }
 
 static ncr_status write_manifest(const ncr_ctx *ctx, const char *path, const ncr_rsibr *set,
@@ -169,7 +179,7 @@ static void remove_earlier(const ncr_ctx *ctx, const char *folder, const json_t 
 
 ncr_status ncr_rsibr_write(const ncr_ctx *ctx, const char *folder, const ncr_rsibr *set)
 {
-    sheet_entry entries[NCR_RSIBR_LOBES];
+    sheet_entry entries[NCR_RSIBR_SHEETS];
     ncr_rsibr_path path;
     if (mkdir(folder, 0777) != 0 && errno != EEXIST)
         return ncr_fail(ctx, NCR_E_IO, "%s: cannot be made: %s", folder, strerror(errno));

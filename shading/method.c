@@ -4,6 +4,7 @@
 #include "core/nearest_word.h"
 #include "shading/distant_internal.h"
 #include "shading/method_internal.h"
+#include "shading/rsibr.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -291,6 +292,8 @@ static ncr_status check_parts(const ncr_ctx *ctx, const ncr_method *method,
                         method->name);
     if (needs & NCR_NEEDS_RSIBR && !in->rsibr)
         return ncr_fail(ctx, NCR_E_ARG, "method \"%s\" needs radiance maps", method->name);
+    if (needs & NCR_NEEDS_RSIBR && in->rsibr->turns && !in->surface)
+        return ncr_fail(ctx, NCR_E_ARG, "brushed metal has to know the surface, for its tangents");
     if (!(in->horizon_deg >= 0 && in->horizon_deg <= 90))
         return ncr_fail(ctx, NCR_E_ARG, "a horizon of %g degrees", in->horizon_deg);
     return needs & NCR_NEEDS_DISTANT ? check_distant(ctx, method, in) : NCR_OK;

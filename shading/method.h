@@ -36,6 +36,8 @@ typedef struct ncr_shading_inputs {
     const ncr_probe *probe;     /* envmap, proxy */
     const ncr_distant *distant; /* methods of distant light */
     const ncr_rsibr *rsibr;     /* rsibr */
+    const ncr_surface *surface; /* rsibr of brushed metal: the object's, frame units; its tangents
+                                   are dP/du. Pixels without one are counted as fallbacks */
     const ncr_npr_map *npr;     /* npr-... */
     const double *up;           /* [3] npr-...: the camera's */
     const ncr_material

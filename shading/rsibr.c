@@ -7,7 +7,7 @@
 
 #include <string.h>
 
-enum { views_by_default = 12, size_by_default = 128 };
+enum { views_by_default = 12, size_by_default = 128, turns_by_default = 16 };
 
 ncr_rsibr_frame ncr_rsibr_frame_of(const double view[3])
 {
@@ -23,7 +23,16 @@ ncr_rsibr_frame ncr_rsibr_frame_of(const double view[3])
     return f;
 }
 
-static ncr_status check_opts(const ncr_ctx *ctx, const ncr_rsibr_brdf *brdf, uint32_t size)
+static bool is_brushed(const ncr_rsibr_brdf *brdf)
+{
+    for (uint32_t k = 0; k < brdf->lobe_count; k++)
+        if (brdf->lobe[k].kind == NCR_RSIBR_BRUSHED)
+            return true;
+    return false;
+}
+
+static ncr_status check_opts(const ncr_ctx *ctx, const ncr_rsibr_brdf *brdf,
+                             const ncr_rsibr_opts *o, uint32_t size)
 {
     if (size < 2 || size > NCR_RSIBR_SIZE_MAX)
         return ncr_fail(ctx, NCR_E_ARG, "radiance maps of %u texels: 2 to %d", size,
@@ -36,7 +45,20 @@ static ncr_status check_opts(const ncr_ctx *ctx, const ncr_rsibr_brdf *brdf, uin
             if (!(brdf->lobe[k].colour[c] >= 0 && brdf->lobe[k].colour[c] < 1e30f))
                 return ncr_fail(ctx, NCR_E_ARG, "a lobe of colour %g",
                                 (double)brdf->lobe[k].colour[c]);
+    if (is_brushed(brdf) && o->single)
+        return ncr_fail(ctx, NCR_E_ARG, "a single map by mirror direction knows no tangents");
+    if (o->turns > NCR_RSIBR_TURNS_MAX || o->turns == 1)
+        return ncr_fail(ctx, NCR_E_ARG, "%u directions of the tangent: 2 to %d", o->turns,
+                        NCR_RSIBR_TURNS_MAX);
     return NCR_OK;
+}
+
+static uint32_t count_maps(const ncr_rsibr_brdf *brdf, uint32_t turns)
+{
+    uint32_t maps = 0;
+    for (uint32_t k = 0; k < brdf->lobe_count; k++)
+        maps += brdf->lobe[k].kind == NCR_RSIBR_BRUSHED ? turns : 1;
+    return maps;
 }
 
 ncr_status ncr_rsibr_init(const ncr_ctx *ctx, const ncr_rsibr_brdf *brdf,
@@ -49,17 +71,21 @@ ncr_status ncr_rsibr_init(const ncr_ctx *ctx, const ncr_rsibr_brdf *brdf,
         return ncr_fail(ctx, NCR_E_ARG, "options without a size");
     ncr_rsibr set = {.brdf = *brdf,
                      .size = o->size ? o->size : size_by_default,
-                     .maps = o->single ? 1 : brdf->lobe_count,
+                     .maps = 1,
                      .raw = o->raw,
                      .single = o->single};
-    ncr_status status = check_opts(ctx, brdf, set.size);
+    ncr_status status = check_opts(ctx, brdf, o, set.size);
+    if (status == NCR_OK && is_brushed(brdf))
+        set.turns = o->turns ? o->turns : turns_by_default;
+    if (status == NCR_OK && !set.single)
+        set.maps = count_maps(brdf, set.turns);
     if (status == NCR_OK)
         status = ncr_view_sphere_init(ctx, o->views ? o->views : views_by_default, &set.sphere);
     if (status != NCR_OK)
         return status;
     const size_t views = set.sphere.view_count;
     set.frame = ncr_alloc(ctx, views * sizeof *set.frame);
-    set.albedo = ncr_alloc_zero(ctx, brdf->lobe_count * NCR_RSIBR_TABLE, sizeof *set.albedo);
+    set.albedo = ncr_alloc_zero(ctx, brdf->lobe_count * NCR_RSIBR_ALBEDOS, sizeof *set.albedo);
     set.texels = ncr_alloc_zero(ctx, set.maps * views * set.size * set.size, 3 * sizeof(float));
     if (!set.frame || !set.albedo || !set.texels) {
         ncr_rsibr_dispose(ctx, &set);
@@ -69,7 +95,7 @@ ncr_status ncr_rsibr_init(const ncr_ctx *ctx, const ncr_rsibr_brdf *brdf,
         set.frame[k] = ncr_rsibr_frame_of(set.sphere.view[k]);
     for (uint32_t k = 0; k < brdf->lobe_count; k++)
         if (brdf->lobe[k].kind == NCR_RSIBR_COATED)
-            set.albedo[(size_t)k * NCR_RSIBR_TABLE] = (float)ncr_rsibr_let_in(&brdf->lobe[k].coat);
+            *ncr_rsibr_table(&set, k) = (float)ncr_rsibr_let_in(&brdf->lobe[k].coat);
     *out = set;
     return NCR_OK;
 }
@@ -81,6 +107,23 @@ void ncr_rsibr_dispose(const ncr_ctx *ctx, ncr_rsibr *set)
     ncr_free(ctx, set->albedo);
     ncr_free(ctx, set->texels);
     *set = (ncr_rsibr){0};
+}
+
+uint32_t ncr_rsibr_lobe_of(const ncr_rsibr *set, uint32_t map)
+{
+    uint32_t lobe = 0;
+    while (!set->single && map >= (set->brdf.lobe[lobe].kind == NCR_RSIBR_BRUSHED ? set->turns : 1))
+        map -= set->brdf.lobe[lobe++].kind == NCR_RSIBR_BRUSHED ? set->turns : 1;
+    return lobe;
+}
+
+float *ncr_rsibr_albedo_table(const ncr_rsibr *set, uint32_t lobe, uint32_t *count)
+{
+    const ncr_rsibr_kind kind = set->brdf.lobe[lobe].kind;
+    *count = kind == NCR_RSIBR_GLOSS     ? NCR_RSIBR_TABLE
+             : kind == NCR_RSIBR_BRUSHED ? NCR_RSIBR_ALBEDOS
+                                         : 0;
+    return ncr_rsibr_table(set, lobe);
 }
 
 float *ncr_rsibr_map(const ncr_rsibr *set, uint32_t map, uint32_t view)

@@ -5,12 +5,15 @@
  *   [Walter07]  B. Walter, S. Marschner, H. Li, K. Torrance. Microfacet Models for Refraction
  *               through Rough Surfaces. 2007 */
 #include "core/nearest_word.h"
+#include "shading/brushed_view_internal.h"
 #include "shading/quadrature_internal.h"
 #include "shading/rsibr_internal.h"
 
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
+
+static const double pi = 3.14159265358979323846;
 
 /* --- words ------------------------------------------------------------------------------------- */
 
@@ -19,44 +22,48 @@ static ncr_rsibr_lobe plain(ncr_rsibr_kind kind, float red, float green, float b
     return (ncr_rsibr_lobe){.kind = kind, .colour = {red, green, blue}};
 }
 
-static ncr_rsibr_brdf mirror(double eta)
+static ncr_rsibr_brdf mirror(const double *eta)
 {
     ncr_rsibr_brdf brdf = {1, {plain(NCR_RSIBR_MIRROR, 1, 1, 1)}};
-    brdf.lobe[0].gloss.fresnel.eta = eta;
+    brdf.lobe[0].gloss.fresnel.eta = *eta;
     return brdf;
 }
 
-static ncr_rsibr_brdf lambert(double unused)
+static ncr_rsibr_brdf lambert(const double *unused)
 {
     (void)unused;
     return (ncr_rsibr_brdf){1, {plain(NCR_RSIBR_LAMBERT, 1, 1, 1)}};
 }
 
-static ncr_rsibr_brdf phong(double exponent)
+static ncr_rsibr_brdf phong(const double *exponent)
 {
     ncr_rsibr_brdf brdf = {1, {plain(NCR_RSIBR_PHONG, 1, 1, 1)}};
-    brdf.lobe[0].exponent = exponent;
+    brdf.lobe[0].exponent = *exponent;
     return brdf;
 }
 
-static ncr_rsibr_brdf cook_torrance(double m)
+static ncr_rsibr_brdf cook_torrance(const double *m)
 {
     ncr_rsibr_brdf brdf = {
         2, {plain(NCR_RSIBR_GLOSS, 1, 1, 1), plain(NCR_RSIBR_LAMBERT, 0.2f, 0.2f, 0.2f)}};
-    brdf.lobe[0].gloss = (ncr_gloss){{NCR_FACETS_BECKMANN, NCR_SHADOWING_VCAVITY, m}, {1.5, 0}};
+    brdf.lobe[0].gloss = (ncr_gloss){{NCR_FACETS_BECKMANN, NCR_SHADOWING_VCAVITY, *m}, {1.5, 0}};
     return brdf;
 }
 
-static ncr_rsibr_brdf ggx(double alpha)
+static ncr_rsibr_brdf ggx(const double *alpha)
 {
-    ncr_rsibr_brdf brdf = {1, {plain(NCR_RSIBR_GLOSS, 1, 1, 1)}};
-    brdf.lobe[0].gloss.facets = (ncr_microfacet){NCR_FACETS_GGX, NCR_SHADOWING_SMITH, alpha};
+    const bool brushed = alpha[0] != alpha[1];
+    ncr_rsibr_brdf brdf = {1, {plain(brushed ? NCR_RSIBR_BRUSHED : NCR_RSIBR_GLOSS, 1, 1, 1)}};
+    if (brushed)
+        brdf.lobe[0].brushed = (ncr_brushed){alpha[0], alpha[1]};
+    else
+        brdf.lobe[0].gloss.facets = (ncr_microfacet){NCR_FACETS_GGX, NCR_SHADOWING_SMITH, alpha[0]};
     return brdf;
 }
 
 /* What is below the coat gets at most what the coat lets in, so all albedos add up to at most
  * F + (1 - F) (flakes + diffuse), and the two colours to less than 1. */
-static ncr_rsibr_brdf car_paint(double unused)
+static ncr_rsibr_brdf car_paint(const double *unused)
 {
     (void)unused;
     static const ncr_fresnel coat = {1.5, 0};
@@ -77,22 +84,39 @@ typedef enum number { NUMBER_NONE, NUMBER_MAY, NUMBER_MUST } number;
 
 static const struct {
     const char *name;
-    ncr_rsibr_brdf (*make)(double parameter);
+    ncr_rsibr_brdf (*make)(const double number[2]);
     number number;
     double least, most, usual; /* of the number */
     const char *says;
+    bool pair; /* may have a second one */
 } words[] = {
-    {"mirror", mirror, NUMBER_MAY, 1e-3, 1e4, 0, "an index of refraction"},
-    {"lambert", lambert, NUMBER_NONE, 0, 0, 0, NULL},
-    {"phong", phong, NUMBER_MUST, 0, 1e6, 0, "an exponent"},
-    {"cook-torrance", cook_torrance, NUMBER_MUST, 1e-3, 4, 0, "a roughness"},
-    {"ggx", ggx, NUMBER_MUST, 1e-3, 4, 0, "a roughness"},
-    {"car-paint", car_paint, NUMBER_NONE, 0, 0, 0, NULL},
+    {"mirror", mirror, NUMBER_MAY, 1e-3, 1e4, 0, "an index of refraction", false},
+    {"lambert", lambert, NUMBER_NONE, 0, 0, 0, NULL, false},
+    {"phong", phong, NUMBER_MUST, 0, 1e6, 0, "an exponent", false},
+    {"cook-torrance", cook_torrance, NUMBER_MUST, 1e-3, 4, 0, "a roughness", false},
+    {"ggx", ggx, NUMBER_MUST, 1e-3, 4, 0, "a roughness", true},
+    {"car-paint", car_paint, NUMBER_NONE, 0, 0, 0, NULL, false},
 };
 enum { word_count = sizeof words / sizeof *words, word_room = 32 };
 
+/* Two numbers that differ, for which brushed_view_internal.h has tables; or two that are one. */
+static ncr_status parse_pair(const ncr_ctx *ctx, const char *text, const char *second,
+                             double out[2])
+{
+    char *end = NULL;
+    out[1] = strtod(second, &end);
+    bool good = end != second && !*end && out[1] > 0;
+    for (int i = 0; good && i < 2 && out[0] != out[1]; i++)
+        good = out[i] >= NCR_BRUSHED_LEAST && out[i] <= NCR_BRUSHED_MOST;
+    if (!good)
+        return ncr_fail(ctx, NCR_E_ARG,
+                        "material \"%s\": expected roughness along and across, from %g to %g", text,
+                        NCR_BRUSHED_LEAST, NCR_BRUSHED_MOST);
+    return NCR_OK;
+}
+
 static ncr_status parse_number(const ncr_ctx *ctx, const char *text, const char *colon, int k,
-                               double *out)
+                               double out[2])
 {
     char *end = NULL;
     *out = colon ? strtod(colon + 1, &end) : words[k].usual;
@@ -100,9 +124,14 @@ static ncr_status parse_number(const ncr_ctx *ctx, const char *text, const char 
         return ncr_fail(ctx, NCR_E_ARG, "material \"%s\" takes no number", words[k].name);
     if (!colon && words[k].number != NUMBER_MUST)
         return NCR_OK;
-    if (!colon || end == colon + 1 || *end || !(*out >= words[k].least && *out <= words[k].most))
+    const bool pair = words[k].pair && end && end != colon + 1 && *end == ',';
+    if (!colon || end == colon + 1 || (*end && !pair) ||
+        !(*out >= words[k].least && *out <= words[k].most))
         return ncr_fail(ctx, NCR_E_ARG, "material \"%s\": expected %s from %g to %g after \"%s:\"",
                         text, words[k].says, words[k].least, words[k].most, words[k].name);
+    if (pair)
+        return parse_pair(ctx, text, end + 1, out);
+    out[1] = out[0];
     return NCR_OK;
 }
 
@@ -117,8 +146,8 @@ ncr_status ncr_rsibr_brdf_find(const ncr_ctx *ctx, const char *text, ncr_rsibr_b
         names[k] = words[k].name;
         if (strcmp(name, names[k]))
             continue;
-        double parameter = 0;
-        const ncr_status status = parse_number(ctx, text, colon, k, &parameter);
+        double parameter[2] = {0};
+        const ncr_status status = parse_number(ctx, text, colon, k, parameter);
         if (status == NCR_OK)
             *out = words[k].make(parameter);
         return status;
@@ -150,7 +179,18 @@ static double look_up(const float *table, double c)
     return a + (x - k) * (b - a);
 }
 
-double ncr_rsibr_lobe_albedo(const ncr_rsibr_lobe *lobe, const float *table, double c)
+/* Between the azimuths of the table. */
+static double look_up_azimuth(const float *table, double c, double azimuth)
+{
+    const int last = NCR_RSIBR_AZIMUTHS - 1;
+    const double x = fmin(fmax(azimuth * 2 / pi, 0), 1) * last;
+    const int i = x < last - 1 ? (int)x : last - 1;
+    const double a = look_up(table + (size_t)i * NCR_RSIBR_TABLE, c);
+    return a + (x - i) * (look_up(table + (size_t)(i + 1) * NCR_RSIBR_TABLE, c) - a);
+}
+
+double ncr_rsibr_lobe_albedo(const ncr_rsibr_lobe *lobe, const float *table, double c,
+                             double azimuth)
 {
     double a = 1;
     c = fmin(fmax(c, 0), 1);
@@ -158,6 +198,8 @@ double ncr_rsibr_lobe_albedo(const ncr_rsibr_lobe *lobe, const float *table, dou
         a = ncr_fresnel_eval(&lobe->gloss.fresnel, c);
     else if (lobe->kind == NCR_RSIBR_GLOSS)
         a = look_up(table, c);
+    else if (lobe->kind == NCR_RSIBR_BRUSHED)
+        a = look_up_azimuth(table, c, azimuth);
     else if (lobe->kind == NCR_RSIBR_COATED)
         a = (double)table[0];
     if (lobe->through != 0)
@@ -171,14 +213,14 @@ ncr_rsibr_index ncr_rsibr_lobe_index(const ncr_rsibr_lobe *lobe)
                                                                              : NCR_RSIBR_BY_MIRROR;
 }
 
-void ncr_rsibr_albedo(const ncr_rsibr *set, uint32_t map, double c, double out[3])
+void ncr_rsibr_albedo(const ncr_rsibr *set, uint32_t map, double c, double azimuth, double out[3])
 {
-    const uint32_t first = set->single ? 0 : map;
-    const uint32_t past = set->single ? set->brdf.lobe_count : map + 1;
+    const uint32_t first = ncr_rsibr_lobe_of(set, map);
+    const uint32_t past = set->single ? set->brdf.lobe_count : first + 1;
     out[0] = out[1] = out[2] = 0;
     for (uint32_t k = first; k < past; k++) {
         const ncr_rsibr_lobe *lobe = &set->brdf.lobe[k];
-        const double a = ncr_rsibr_lobe_albedo(lobe, set->albedo + (size_t)k * NCR_RSIBR_TABLE, c);
+        const double a = ncr_rsibr_lobe_albedo(lobe, ncr_rsibr_table(set, k), c, azimuth);
         for (int i = 0; i < 3; i++)
             out[i] += (double)lobe->colour[i] * a;
     }

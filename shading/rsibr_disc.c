@@ -128,7 +128,7 @@ static void draw_texel(const draw_job *job, double s, double t, float *out)
         sum += weight;
     }
     if (!set->raw)
-        ncr_rsibr_albedo(set, job->map, sqrt(fmax(0, 1 - s * s - t * t)), albedo);
+        ncr_rsibr_albedo(set, job->map, sqrt(fmax(0, 1 - s * s - t * t)), 0, albedo);
     for (int k = 0; k < 3; k++)
         out[k] += (float)(albedo[k] * mean[k] / sum);
 }
@@ -166,6 +166,9 @@ static ncr_status check(const ncr_ctx *ctx, const draw_job *job, const ncr_image
     if (image->channels != 3 || image->width != image->height)
         return ncr_fail(ctx, NCR_E_ARG, "a radiance map of %u x %u texels, %u channels",
                         image->width, image->height, image->channels);
+    if (job->set->turns)
+        return ncr_fail(ctx, NCR_E_ARG,
+                        "brushed metal has no map of its own: it asks for tangents");
     if (job->rings > NCR_RSIBR_RINGS_MAX || job->spokes > 8 * NCR_RSIBR_RINGS_MAX ||
         (job->rings && job->spokes < 3))
         return ncr_fail(ctx, NCR_E_ARG, "a disc of %u rings and %u spokes", job->rings,

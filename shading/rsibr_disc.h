@@ -25,7 +25,8 @@ enum { NCR_RSIBR_RINGS_MAX = 1024 };
  *               direction, so that they crowd toward the rim                        [C 3.3] [C-10]
  * @param image  square, 3 channels; texels as in ncr_rsibr, along ncr_rsibr_frame_of(eye); those
  *               whose centres lie beyond the disc are left alone
- * @return       NCR_E_ARG, NCR_E_NOMEM, NCR_E_CANCELLED
+ * @return       NCR_E_ARG (also for a brushed set, which asks for tangents), NCR_E_NOMEM,
+ *               NCR_E_CANCELLED
  *
  * Away from the opposites of the three eyes a disc of twice the rings errs a quarter as much; near
  * them triangles are pinched, and fade out as the maps do. Same bits for any number of workers.

@@ -16,7 +16,7 @@ typedef struct fill_job {
     const ncr_ctx *ctx;
     const ncr_directional_map *env;
     ncr_rsibr *set;
-    uint32_t lobe;
+    uint32_t lobe, map;         /* and its first map */
     ncr_image light;            /* lat-long along the world's axes: rgb, 1 */
     ncr_directional_map coarse; /* for mirrors: no finer than their texels call for */
     ncr_prefilter_grid *grid;
@@ -112,7 +112,7 @@ static ncr_status make_grid(fill_job *job)
 /* Albedo by cosine: the fourth channel, seen from above at as many slants. */
 static ncr_status make_table(fill_job *job)
 {
-    float *table = job->set->albedo + (size_t)job->lobe * NCR_RSIBR_TABLE;
+    float *table = ncr_rsibr_table(job->set, job->lobe);
     float out[NCR_RSIBR_TABLE][4];
     ncr_vec3 normal[NCR_RSIBR_TABLE];
     for (int k = 0; k < NCR_RSIBR_TABLE; k++) {
@@ -237,14 +237,14 @@ static void store(const fill_job *job)
     ncr_rsibr *set = job->set;
     const bool whole = set->raw || set->single;
     const ncr_rsibr_lobe *lobe = &set->brdf.lobe[job->lobe];
-    const float *table = set->albedo + (size_t)job->lobe * NCR_RSIBR_TABLE;
-    float *out = ncr_rsibr_map(set, set->single ? 0 : job->lobe, job->view);
+    const float *table = ncr_rsibr_table(set, job->lobe);
+    float *out = ncr_rsibr_map(set, set->single ? 0 : job->map, job->view);
     const float *mean = job->mean;
     for (uint32_t y = 0; y < set->size; y++)
         for (uint32_t x = 0; x < set->size; x++, out += 3, mean += 4) {
             const double s = place(x, set->size), t = place(y, set->size);
             const double c = sqrt(fmax(0, 1 - s * s - t * t));
-            const double a = whole ? ncr_rsibr_lobe_albedo(lobe, table, c) : 1;
+            const double a = whole ? ncr_rsibr_lobe_albedo(lobe, table, c, 0) : 1;
             for (int i = 0; i < 3; i++)
                 out[i] += (float)(a / (double)mean[3]) * mean[i] * (whole ? lobe->colour[i] : 1);
         }
@@ -252,6 +252,8 @@ static void store(const fill_job *job)
 
 static ncr_status fill_lobe(fill_job *job)
 {
+    if (job->set->brdf.lobe[job->lobe].kind == NCR_RSIBR_BRUSHED)
+        return ncr_rsibr_fill_brushed(job->ctx, &job->light, job->set, job->lobe, job->map);
     ncr_status status = open_lobe(job);
     for (job->view = 0; status == NCR_OK && job->view < job->set->sphere.view_count; job->view++) {
         const bool mirror = job->set->brdf.lobe[job->lobe].kind == NCR_RSIBR_MIRROR;
@@ -272,7 +274,7 @@ static void demodulate(ncr_rsibr *set)
             for (uint32_t x = 0; x < set->size; x++, at += 3) {
                 const double s = place(x, set->size), t = place(y, set->size);
                 double a[3];
-                ncr_rsibr_albedo(set, 0, sqrt(fmax(0, 1 - s * s - t * t)), a);
+                ncr_rsibr_albedo(set, 0, sqrt(fmax(0, 1 - s * s - t * t)), 0, a);
                 for (int i = 0; i < 3; i++)
                     at[i] = a[i] > 0 ? (float)((double)at[i] / a[i]) : 0;
             }
@@ -289,8 +291,10 @@ ncr_status ncr_rsibr_fill(const ncr_ctx *ctx, const ncr_directional_map *env, nc
     job.normal = ncr_alloc(ctx, texels * sizeof *job.normal);
     ncr_status status = job.mean && job.normal ? make_light(&job) : NCR_E_NOMEM;
     memset(set->texels, 0, set->maps * set->sphere.view_count * texels * 3 * sizeof(float));
-    for (job.lobe = 0; status == NCR_OK && job.lobe < set->brdf.lobe_count; job.lobe++)
+    for (job.lobe = 0; status == NCR_OK && job.lobe < set->brdf.lobe_count; job.lobe++) {
         status = fill_lobe(&job);
+        job.map += ncr_rsibr_lobe_maps(set, job.lobe);
+    }
     if (status == NCR_OK && set->single && !set->raw)
         demodulate(set);
     ncr_image_dispose(ctx, &job.light);

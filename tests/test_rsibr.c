@@ -85,7 +85,7 @@ static void shade(const ncr_rsibr *set, const ncr_rsibr_look *look, const double
                   const double n[3], float out[1][3])
 {
     const ncr_vec3 view = d_to_v(v), normal = d_to_v(n);
-    ncr_rsibr_shade(set, look, 1, &view, &normal, out);
+    ncr_rsibr_shade(set, look, 1, &view, &normal, NULL, out);
 }
 
 /* --- warps ------------------------------------------------------------------------------------- */
@@ -371,7 +371,7 @@ static void constant_light_gives_the_albedo_and_no_more_than_came_in(void **stat
                 any_direction(&r, v);
                 seen_normal(&r, v, 0, n);
                 for (uint32_t map = 0; map < set.maps; map++) {
-                    ncr_rsibr_albedo(&set, map, d_dot(n, v), part);
+                    ncr_rsibr_albedo(&set, map, d_dot(n, v), 0, part);
                     d_mad(want, 1, part, want);
                 }
                 float got[1][3];

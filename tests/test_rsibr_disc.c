@@ -104,7 +104,7 @@ static void every_texel_by_itself_is_what_shading_shows(void **state)
                 continue;
             const ncr_vec3 view = d_to_v(eye), normal = d_to_v(n);
             float want[1][3];
-            ncr_rsibr_shade(&set, NULL, 1, &view, &normal, want);
+            ncr_rsibr_shade(&set, NULL, 1, &view, &normal, NULL, want);
             for (int c = 0; c < 3; c++)
                 CHECK_NEAR((double)ncr_image_at(&image, x, y)[c], (double)want[0][c], 2e-5);
         }

@@ -39,12 +39,13 @@ static void check_same(const ncr_rsibr *a, const ncr_rsibr *b)
     assert_memory_equal(a->texels, b->texels, texel_bytes(a));
     assert_memory_equal(a->frame, b->frame, a->sphere.view_count * sizeof *a->frame);
     assert_int_equal(a->brdf.lobe_count, b->brdf.lobe_count);
-    assert_memory_equal(a->albedo, b->albedo, a->brdf.lobe_count * NCR_RSIBR_TABLE * sizeof(float));
+    assert_memory_equal(a->albedo, b->albedo,
+                        a->brdf.lobe_count * NCR_RSIBR_AZIMUTHS * NCR_RSIBR_TABLE * sizeof(float));
     for (uint32_t map = 0; map < a->maps; map++)
         for (double c = 0; c <= 1; c += 0.01) {
             double x[3], y[3];
-            ncr_rsibr_albedo(a, map, c, x);
-            ncr_rsibr_albedo(b, map, c, y);
+            ncr_rsibr_albedo(a, map, c, c, x);
+            ncr_rsibr_albedo(b, map, c, c, y);
             assert_memory_equal(x, y, sizeof x);
         }
 }

@@ -20,12 +20,12 @@ static void check(const ncr_rsibr *set)
     for (uint32_t map = 0; map < set->maps; map++)
         for (int k = -4; k <= 4; k++) {
             double albedo[3];
-            ncr_rsibr_albedo(set, map, 0.25 * k, albedo);
+            ncr_rsibr_albedo(set, map, 0.25 * k, 0.4 * k, albedo);
             FUZZ_CHECK(isfinite(albedo[0]) && isfinite(albedo[1]) && isfinite(albedo[2]));
         }
     const ncr_vec3 view[2] = {{0, 0, 1}, {0.6f, 0, 0.8f}}, normal[2] = {{0, 0, 1}, {0, 1, 0}};
     float rgb[2][3];
-    ncr_rsibr_shade(set, NULL, 2, view, normal, rgb);
+    ncr_rsibr_shade(set, NULL, 2, view, normal, view, rgb);
     for (int k = 0; k < 6; k++)
         FUZZ_CHECK(isfinite(rgb[k / 3][k % 3]));
 }
