@@ -21,12 +21,12 @@ typedef struct brushed_job {
     ncr_rsibr *set;
     const ncr_rsibr_lobe *lobe;
     float *table;
-    uint32_t map, view;                      /* the lobe's first map */
-    uint32_t steps, step;                    /* angles over half a turn, and which */
-    double grid[4 * NCR_RSIBR_TURNS_MAX][2]; /* cos and sin of pi k / steps */
-    ncr_vec3 *normal;                        /* [size][size] */
-    float *got;                              /* [2][size][size][4] at the angle and its opposite */
-    float *even; /* [turns][view][size][size]: what even light comes to */
+    uint32_t map, view;   /* the lobe's first map */
+    uint32_t steps, step; /* angles over half a turn, and which */
+    float *share;         /* [size][size][steps] */
+    ncr_vec3 *normal;     /* [size][size] */
+    float *got;           /* [2][size][size][4] at the angle and its opposite */
+    float *even;          /* [turns][view][size][size]: what even light comes to */
 } brushed_job;
 
 static double place(uint32_t k, uint32_t size)
@@ -52,44 +52,46 @@ static void find_normals(size_t first, size_t past, unsigned worker, void *arg)
         }
 }
 
-/* The share of a sample at pi g / steps, g any whole number, in the value at azimuth -phi.
+/* The share of a sample at pi g / steps in the value at azimuth -phi, g any whole number:
  *     sin(n x) / (n tan x), n = steps even, x = pi g / n - phi */
-static double share(const brushed_job *job, uint32_t g, double c, double s, double wave)
+static void find_shares(size_t first, size_t past, unsigned worker, void *arg)
 {
-    const double *at = job->grid[g % (2 * job->steps)];
-    const double sine = at[1] * c - at[0] * s, cosine = at[0] * c + at[1] * s;
-    return fabs(sine) > 1e-9 ? wave * cosine / (job->steps * sine) : 1;
-}
-
-/* What one texel has at one angle and its opposite, into all maps of the eye. */
-static void add_texel(const brushed_job *job, size_t texel, double s, double t)
-{
-    const ncr_rsibr *set = job->set;
-    const uint32_t n = job->steps, j = job->step;
-    const size_t texels = (size_t)set->size * set->size;
-    const double rho = hypot(s, t), c = rho > 0 ? s / rho : 1, z = rho > 0 ? -t / rho : 0;
-    const double wave = -sin(n * atan2(z, c)) * (j % 2 ? -1 : 1);
-    for (size_t side = 0; side < (j == 0 || 2 * j == n ? 1 : 2); side++) {
-        const float *got = job->got + 4 * (side * texels + texel);
-        for (uint32_t k = 0; k < set->turns; k++) {
-            const float w = (float)share(job, 2 * k + (side ? j : 2 * n - j), c, z, wave);
-            float *out = ncr_rsibr_map(set, job->map + k, job->view) + 3 * texel;
-            for (int i = 0; i < 3; i++)
-                out[i] += w * got[i];
-            job->even[((size_t)k * set->sphere.view_count + job->view) * texels + texel] +=
-                w * got[3];
+    const brushed_job *job = arg;
+    const uint32_t size = job->set->size, n = job->steps;
+    (void)worker;
+    for (size_t texel = first * size; texel < past * size; texel++) {
+        const double s = place((uint32_t)(texel % size), size);
+        const double t = place((uint32_t)(texel / size), size), phi = atan2(-t, s);
+        for (uint32_t g = 0; g < n; g++) {
+            const double x = pi * g / n - phi, sine = sin(x);
+            job->share[texel * n + g] =
+                fabs(sine) > 1e-9 ? (float)(sin(n * x) * cos(x) / (n * sine)) : 1;
         }
     }
 }
 
+/* What texels have at one angle and its opposite, into all maps of the eye. */
 static void add_rows(size_t first, size_t past, unsigned worker, void *arg)
 {
     const brushed_job *job = arg;
-    const uint32_t size = job->set->size;
+    const ncr_rsibr *set = job->set;
+    const uint32_t n = job->steps, j = job->step, views = set->sphere.view_count;
+    const size_t texels = (size_t)set->size * set->size;
+    const size_t sides = j == 0 || 2 * j == n ? 1 : 2;
     (void)worker;
-    for (size_t y = first; y < past; y++)
-        for (uint32_t x = 0; x < size; x++)
-            add_texel(job, y * size + x, place(x, size), place((uint32_t)y, size));
+    for (uint32_t k = 0; k < set->turns; k++)
+        for (size_t side = 0; side < sides; side++) {
+            const float *share = job->share + (2 * k + (side ? j : n - j)) % n;
+            const float *got = job->got + 4 * side * texels;
+            float *out = ncr_rsibr_map(set, job->map + k, job->view);
+            float *even = job->even + ((size_t)k * views + job->view) * texels;
+            for (size_t at = first * set->size; at < past * set->size; at++) {
+                const float w = share[at * n];
+                for (size_t i = 0; i < 3; i++)
+                    out[3 * at + i] += w * got[4 * at + i];
+                even[at] += w * got[4 * at + 3];
+            }
+        }
 }
 
 /* All eyes at one angle. */
@@ -158,6 +160,8 @@ static ncr_status run(const ncr_ctx *ctx, brushed_job *job, const ncr_image *lig
     const ncr_rsibr *set = job->set;
     ncr_fixed_view *fixed;
     ncr_status status = ncr_brushed_view_create(ctx, &job->lobe->brushed, &fixed);
+    if (status == NCR_OK)
+        status = ncr_parallel_for(ctx, set->size, 8, find_shares, job);
     for (job->step = 0; status == NCR_OK && 2 * job->step <= job->steps; job->step++)
         status = add_step(ctx, job, fixed, light);
     ncr_fixed_view_destroy(ctx, fixed);
@@ -178,16 +182,14 @@ ncr_status ncr_rsibr_fill_brushed(const ncr_ctx *ctx, const ncr_image *light, nc
                        .table = ncr_rsibr_table(set, lobe),
                        .map = map,
                        .steps = 2 * set->turns};
-    for (uint32_t k = 0; k < 2 * job.steps; k++) {
-        job.grid[k][0] = cos(pi * k / job.steps);
-        job.grid[k][1] = sin(pi * k / job.steps);
-    }
+    job.share = ncr_alloc(ctx, texels * job.steps * sizeof *job.share);
     job.normal = ncr_alloc(ctx, texels * sizeof *job.normal);
     job.got = ncr_alloc(ctx, 2 * texels * 4 * sizeof *job.got);
     job.even = ncr_alloc_zero(ctx, set->turns * set->sphere.view_count * texels, sizeof *job.even);
     ncr_status status = NCR_E_NOMEM;
-    if (job.normal && job.got && job.even)
+    if (job.share && job.normal && job.got && job.even)
         status = run(ctx, &job, light);
+    ncr_free(ctx, job.share);
     ncr_free(ctx, job.normal);
     ncr_free(ctx, job.got);
     ncr_free(ctx, job.even);

@@ -250,10 +250,31 @@ static void store(const fill_job *job)
         }
 }
 
+/* The light, halved while rows stay below an eighth of the smaller alpha: what that blurs is a few
+ * thousandths of the lobe's own width. */
+static ncr_status fill_brushed(fill_job *job)
+{
+    const ncr_brushed *m = &job->set->brdf.lobe[job->lobe].brushed;
+    const double side = fmin(m->along, m->across) / 8, pi = 3.14159265358979323846;
+    const ncr_directional_map light = {
+        .kind = NCR_MAP_LATLONG, .size = job->light.height, .image = job->light};
+    uint32_t size = light.size;
+    while (size > 8 && 2 * pi / size <= side)
+        size /= 2;
+    ncr_directional_map small;
+    ncr_status status = ncr_directional_map_init(job->ctx, light.kind, size, 4, &small);
+    if (status == NCR_OK)
+        status = ncr_directional_map_shrink(job->ctx, &light, &small);
+    if (status == NCR_OK)
+        status = ncr_rsibr_fill_brushed(job->ctx, &small.image, job->set, job->lobe, job->map);
+    ncr_directional_map_dispose(job->ctx, &small);
+    return status;
+}
+
 static ncr_status fill_lobe(fill_job *job)
 {
     if (job->set->brdf.lobe[job->lobe].kind == NCR_RSIBR_BRUSHED)
-        return ncr_rsibr_fill_brushed(job->ctx, &job->light, job->set, job->lobe, job->map);
+        return fill_brushed(job);
     ncr_status status = open_lobe(job);
     for (job->view = 0; status == NCR_OK && job->view < job->set->sphere.view_count; job->view++) {
         const bool mirror = job->set->brdf.lobe[job->lobe].kind == NCR_RSIBR_MIRROR;
