@@ -7,7 +7,7 @@
 
 #include <string.h>
 
-enum { views_by_default = 12, size_by_default = 128, turns_by_default = 16 };
+enum { views_by_default = 12, size_by_default = 128 };
 
 ncr_rsibr_frame ncr_rsibr_frame_of(const double view[3])
 {
@@ -23,12 +23,16 @@ ncr_rsibr_frame ncr_rsibr_frame_of(const double view[3])
     return f;
 }
 
-static bool is_brushed(const ncr_rsibr_brdf *brdf)
+/* Directions of the tangent that the lobes call for; 0: nothing is brushed. */
+static uint32_t enough_turns(const ncr_rsibr_brdf *brdf)
 {
-    for (uint32_t k = 0; k < brdf->lobe_count; k++)
-        if (brdf->lobe[k].kind == NCR_RSIBR_BRUSHED)
-            return true;
-    return false;
+    uint32_t turns = 0;
+    for (uint32_t k = 0; k < brdf->lobe_count; k++) {
+        const uint32_t enough = ncr_rsibr_enough_turns(&brdf->lobe[k].brushed);
+        if (brdf->lobe[k].kind == NCR_RSIBR_BRUSHED && enough > turns)
+            turns = enough;
+    }
+    return turns;
 }
 
 static ncr_status check_opts(const ncr_ctx *ctx, const ncr_rsibr_brdf *brdf,
@@ -45,7 +49,7 @@ static ncr_status check_opts(const ncr_ctx *ctx, const ncr_rsibr_brdf *brdf,
             if (!(brdf->lobe[k].colour[c] >= 0 && brdf->lobe[k].colour[c] < 1e30f))
                 return ncr_fail(ctx, NCR_E_ARG, "a lobe of colour %g",
                                 (double)brdf->lobe[k].colour[c]);
-    if (is_brushed(brdf) && o->single)
+    if (enough_turns(brdf) && o->single)
         return ncr_fail(ctx, NCR_E_ARG, "a single map by mirror direction knows no tangents");
     if (o->turns > NCR_RSIBR_TURNS_MAX || o->turns == 1)
         return ncr_fail(ctx, NCR_E_ARG, "%u directions of the tangent: 2 to %d", o->turns,
@@ -75,8 +79,8 @@ ncr_status ncr_rsibr_init(const ncr_ctx *ctx, const ncr_rsibr_brdf *brdf,
                      .raw = o->raw,
                      .single = o->single};
     ncr_status status = check_opts(ctx, brdf, o, set.size);
-    if (status == NCR_OK && is_brushed(brdf))
-        set.turns = o->turns ? o->turns : turns_by_default;
+    if (status == NCR_OK && enough_turns(brdf))
+        set.turns = o->turns ? o->turns : enough_turns(brdf);
     if (status == NCR_OK && !set.single)
         set.maps = count_maps(brdf, set.turns);
     if (status == NCR_OK)

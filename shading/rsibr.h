@@ -92,7 +92,8 @@ typedef struct ncr_rsibr_opts {
     uint32_t size;  /* texels along a map; 0: 128 */
     bool raw;       /* maps hold radiance as it is, the albedo not divided out */
     bool single;    /* all lobes in one map by mirror direction, as the paper does it */
-    uint32_t turns; /* directions of the tangent of a brushed lobe; 0: 16 */
+    uint32_t turns; /* directions of the tangent of a brushed lobe, 2 to 64; 0: 8 for each time
+                       that one alpha is the other */
 } ncr_rsibr_opts;
 
 enum { NCR_RSIBR_SIZE_MAX = 4096, NCR_RSIBR_TURNS_MAX = 64 };

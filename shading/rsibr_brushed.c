@@ -11,8 +11,8 @@
 /* Where a tangent keeps its angle to the plane of eye and normal, everything turns about the eye as
  * one, and brushed_view_internal.h has tables. Maps hold tangents that keep their angle to the eye's
  * own axes instead: at azimuth phi about the eye that of map j is pi j / turns - phi. So each texel
- * is found at 2 turns angles, evenly spread over half a turn, and brought to those of its maps by
- * the trigonometric polynomial through them. */
+ * is found at angles evenly spread over half a turn, and brought to those of its maps by the
+ * trigonometric polynomial through them. */
 
 static const double pi = 3.14159265358979323846;
 static const double grazing = 0.01; /* normals there have an albedo; those beyond go on as it */
@@ -81,7 +81,7 @@ static void add_rows(size_t first, size_t past, unsigned worker, void *arg)
     (void)worker;
     for (uint32_t k = 0; k < set->turns; k++)
         for (size_t side = 0; side < sides; side++) {
-            const float *share = job->share + (2 * k + (side ? j : n - j)) % n;
+            const float *share = job->share + (n / set->turns * k + (side ? j : n - j)) % n;
             const float *got = job->got + 4 * side * texels;
             float *out = ncr_rsibr_map(set, job->map + k, job->view);
             float *even = job->even + ((size_t)k * views + job->view) * texels;
@@ -173,6 +173,15 @@ static ncr_status run(const ncr_ctx *ctx, brushed_job *job, const ncr_image *lig
     return status;
 }
 
+/* An even multiple of the maps' directions that is enough for the lobe. */
+static uint32_t count_steps(const ncr_rsibr *set, const ncr_brushed *m)
+{
+    uint32_t steps = set->turns;
+    while (steps % 2 || steps < ncr_rsibr_enough_turns(m))
+        steps += set->turns;
+    return steps;
+}
+
 ncr_status ncr_rsibr_fill_brushed(const ncr_ctx *ctx, const ncr_image *light, ncr_rsibr *set,
                                   uint32_t lobe, uint32_t map)
 {
@@ -181,7 +190,7 @@ ncr_status ncr_rsibr_fill_brushed(const ncr_ctx *ctx, const ncr_image *light, nc
                        .lobe = &set->brdf.lobe[lobe],
                        .table = ncr_rsibr_table(set, lobe),
                        .map = map,
-                       .steps = 2 * set->turns};
+                       .steps = count_steps(set, &set->brdf.lobe[lobe].brushed)};
     job.share = ncr_alloc(ctx, texels * job.steps * sizeof *job.share);
     job.normal = ncr_alloc(ctx, texels * sizeof *job.normal);
     job.got = ncr_alloc(ctx, 2 * texels * 4 * sizeof *job.got);

@@ -15,6 +15,14 @@ static inline float *ncr_rsibr_table(const ncr_rsibr *set, uint32_t lobe)
     return set->albedo + (size_t)lobe * NCR_RSIBR_ALBEDOS;
 }
 
+/* Directions of the tangent that draw the streak of a lobe without a gap: eight for each time that
+ * one alpha is the other. */
+static inline uint32_t ncr_rsibr_enough_turns(const ncr_brushed *m)
+{
+    const double ratio = fmax(m->along / m->across, m->across / m->along);
+    return 2 * (uint32_t)fmin(fmax(ceil(4 * ratio), 4), NCR_RSIBR_TURNS_MAX / 2);
+}
+
 /* Maps of one lobe. */
 static inline uint32_t ncr_rsibr_lobe_maps(const ncr_rsibr *set, uint32_t lobe)
 {

@@ -18,8 +18,18 @@ typedef struct question {
     const double *across; /* of brushed lobes: the tangent's part across the direction; or NULL */
 } question;
 
-/* Between the two directions of the tangent that are nearest. X and Y, the eye's axes mirrored at the
- * place's own normal h, are what directions are counted from.                        [C 6] */
+/* The cubic through four neighbours that has their slopes, at x of [0,1] from the second on. */
+static void cubic(float x, float weight[4])
+{
+    const float y = 1 - x;
+    weight[0] = -0.5f * x * y * y;
+    weight[1] = 1 + x * x * (1.5f * x - 2.5f);
+    weight[2] = 1 + y * y * (1.5f * y - 2.5f);
+    weight[3] = -0.5f * x * x * y;
+}
+
+/* Between the four directions of the tangent that are nearest. X and Y, the eye's axes mirrored at the
+ * place's own normal h, are what directions are counted from.                               [C 6] */
 static void fetch_brushed(const ncr_rsibr *set, uint32_t map, uint32_t view, const double at[2],
                           const double across[3], float out[3])
 {
@@ -31,13 +41,17 @@ static void fetch_brushed(const ncr_rsibr *set, uint32_t map, uint32_t view, con
     const double turn = atan2(twice * h[1] - u[1], twice * h[0] - u[0]) / pi;
     const double x = (turn - floor(turn)) * set->turns;
     const uint32_t k = x < set->turns - 1 ? (uint32_t)x : set->turns - 1;
-    const float share = (float)fmin(x - k, 1);
-    float next[3];
-    ncr_rsibr_bilinear(ncr_rsibr_map(set, map + k, view), set->size, at[0], at[1], out);
-    ncr_rsibr_bilinear(ncr_rsibr_map(set, map + (k + 1) % set->turns, view), set->size, at[0],
-                       at[1], next);
+    float weight[4], texel[3];
+    cubic((float)fmin(x - k, 1), weight);
+    out[0] = out[1] = out[2] = 0;
+    for (uint32_t i = 0; i < 4; i++) {
+        const uint32_t turned = map + (k + set->turns - 1 + i) % set->turns;
+        ncr_rsibr_bilinear(ncr_rsibr_map(set, turned, view), set->size, at[0], at[1], texel);
+        for (int c = 0; c < 3; c++)
+            out[c] += weight[i] * texel[c];
+    }
     for (int c = 0; c < 3; c++)
-        out[c] += share * (next[c] - out[c]);
+        out[c] = fmaxf(out[c], 0);
 }
 
 static void fetch(const ncr_rsibr *set, const question *q, uint32_t view, const double at[2],
