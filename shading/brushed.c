@@ -10,7 +10,7 @@
 #include "shading/quadrature_internal.h"
 
 static const double pi = 3.14159265358979323846;
-enum { spokes = 64, nodes = 24 };
+enum { spokes = 40, nodes = 12 };
 
 double ncr_brushed_normals(const ncr_brushed *m, const double h[3])
 {
@@ -82,7 +82,7 @@ static double panel(const spoke *p, double from, double to, const double *node,
         for (int k = 0; k < 3; k++)
             l[k] = 2 * v_h * h[k] - p->v[k];
         if (v_h > 0 && l[2] > 0)
-            sum += step * weight[i] * sin(2 * z) * ncr_fresnel_eval(p->fresnel, fmin(v_h, 1)) *
+            sum += step * weight[i] * 2 * t / (1 + t * t) * ncr_fresnel_eval(p->fresnel, fmin(v_h, 1)) *
                    shadow(p->m, p->spread_v, p->v[2], l) * v_h / h[2];
     }
     return sum;

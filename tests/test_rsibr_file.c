@@ -35,7 +35,8 @@ static size_t texel_bytes(const ncr_rsibr *set)
 static void check_same(const ncr_rsibr *a, const ncr_rsibr *b)
 {
     assert_true(a->size == b->size && a->maps == b->maps && a->raw == b->raw &&
-                a->single == b->single && a->sphere.view_count == b->sphere.view_count);
+                a->single == b->single && a->turns == b->turns &&
+                a->sphere.view_count == b->sphere.view_count);
     assert_memory_equal(a->texels, b->texels, texel_bytes(a));
     assert_memory_equal(a->frame, b->frame, a->sphere.view_count * sizeof *a->frame);
     assert_int_equal(a->brdf.lobe_count, b->brdf.lobe_count);
@@ -54,13 +55,14 @@ static void sets_come_back_bit_by_bit(void **state)
 {
     (void)state;
     static const char *const materials[] = {"mirror:1.5", "phong:7.5", "car-paint",
-                                            "cook-torrance:0.3"};
-    for (size_t k = 0; k < 4; k++) {
+                                            "cook-torrance:0.3", "ggx:0.4,0.8"};
+    for (size_t k = 0; k < 5; k++) {
         const ncr_rsibr_opts opts = {.struct_size = sizeof opts,
                                      .views = k ? 12 : 162,
                                      .size = 5,
                                      .raw = k == 3,
-                                     .single = k == 3};
+                                     .single = k == 3,
+                                     .turns = 3};
         ncr_rsibr set = set_of(materials[k], &opts), back;
         CHECK_STATUS(NCR_OK, ncr_rsibr_write(NULL, file_at("set").text, &set));
         CHECK_STATUS(NCR_OK, ncr_rsibr_read(NULL, file_at("set").text, &back));
