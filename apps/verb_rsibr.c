@@ -9,7 +9,7 @@
 typedef struct rsibr_options {
     app common;
     const char *light, *folder, *brdf, *from, *from_up;
-    uint32_t views, size;
+    uint32_t views, size, turns;
     bool raw, single;
     import_ball_options ball;
 } rsibr_options;
@@ -72,7 +72,7 @@ static ncr_status compute(rsibr_job *job)
     return status == NCR_OK
                ? ncr_rsibr_create(&a->ctx, &job->env, &brdf,
                                   NCR_OPTS(ncr_rsibr_opts, .views = o->views, .size = o->size,
-                                           .raw = o->raw, .single = o->single),
+                                           .raw = o->raw, .single = o->single, .turns = o->turns),
                                   &job->set)
                : status;
 }
@@ -98,11 +98,12 @@ static void report(const rsibr_job *job)
     app_say(a, "%s: %u maps of %u x %u texels for each of %u eyes, computed in %.2f s -> %s",
             job->o->brdf, set->maps, set->size, set->size, set->sphere.view_count, t[1],
             job->o->folder);
-    app_print_json(a, json_pack("{s:s, s:s, s:i, s:i, s:i, s:b, s:b, s:{s:f, s:f, s:f}}", "schema",
-                                "nacre.rsibr/1", "brdf", job->o->brdf, "views",
-                                (int)set->sphere.view_count, "maps", (int)set->maps, "size",
-                                (int)set->size, "raw", set->raw, "single", set->single, "seconds",
-                                "read", t[0], "compute", t[1], "write", t[2]));
+    app_print_json(a,
+                   json_pack("{s:s, s:s, s:i, s:i, s:i, s:i, s:b, s:b, s:{s:f, s:f, s:f}}",
+                             "schema", "nacre.rsibr/1", "brdf", job->o->brdf, "views",
+                             (int)set->sphere.view_count, "maps", (int)set->maps, "turns",
+                             (int)set->turns, "size", (int)set->size, "raw", set->raw, "single",
+                             set->single, "seconds", "read", t[0], "compute", t[1], "write", t[2]));
 }
 
 static ncr_status run(rsibr_job *job)
@@ -127,9 +128,12 @@ int verb_rsibr(int argc, char **argv)
     const option options[] = {
         {"--output", 'o', OPTION_TEXT, &o.folder, "FOLDER", "folder to write (required)"},
         {"--brdf", 0, OPTION_TEXT, &o.brdf, "NAME[:N]",
-         "mirror[:ETA], lambert, phong:N, cook-torrance:M, ggx:ALPHA, car-paint (required)"},
+         "mirror[:ETA], lambert, phong:N, cook-torrance:M, ggx:ALPHA[,ACROSS], car-paint "
+         "(required)"},
         {"--views", 0, OPTION_COUNT, &o.views, "N", "eyes: 12 (default), 42, 162, 642"},
         {"--size", 0, OPTION_COUNT, &o.size, "N", "texels along a map (default 128)"},
+        {"--turns", 0, OPTION_COUNT, &o.turns, "N",
+         "directions of the tangent of brushed metal (default: 8 ALPHA/ACROSS or the inverse)"},
         {"--raw", 0, OPTION_FLAG, &o.raw, NULL, "keep radiance as it is, albedo and all"},
         {"--single", 0, OPTION_FLAG, &o.single, NULL, "one map for all lobes, by mirror direction"},
         {"--from", 0, OPTION_TEXT, &o.from, "CONVENTION",

@@ -41,6 +41,14 @@ expect 2 "shows all of a surface" render $scene --method rsibr --maps "$work/p" 
     $view -o "$work/b.exr"
 expect 2 "does not reconstruct" render $scene --method rsibr --maps "$work/p" --term recon -o "$work/b.exr"
 
+# Brushed metal has maps by direction of its tangent; where there is none is counted.
+expect 2 "roughness along and across" rsibr $scene -o "$work/b" --brdf ggx:0.01,0.5
+expect 2 "knows no tangents" rsibr "$work/small.exr" -o "$work/b" --brdf ggx:0.5,0.6 --single
+expect 2 "1 directions" rsibr "$work/small.exr" -o "$work/b" --brdf ggx:0.5,0.6 --turns 1
+expect 0 "5 maps of 16 x 16" rsibr "$work/small.exr" --brdf ggx:0.5,0.6 --turns 5 --size 16 -o "$work/b"
+expect 0 "brushed .*by mirror" info "$work/b"
+expect 0 "" render $scene --method rsibr --maps "$work/b" $view -o "$work/a.exr"
+
 # A map file, and a second set over the first.
 "$nacre" env --chart --to latlong --size 32 -o "$work/chart.exr" -q
 expect 0 "2 maps of 16 x 16" rsibr "$work/chart.exr" --brdf cook-torrance:0.3 --size 16 -o "$work/p"
