@@ -57,6 +57,8 @@ check_fn check_solid_angles, check_cube_seams, check_half_range;
 check_fn check_cielab, check_reductions;
 /* ---- check_rsibr.c ---- */
 check_fn check_view_sphere, check_eye_opposites;
+/* ---- check_eyes.c ---- */
+check_fn check_eye_albedo, check_eye_pixels;
 /* ---- check_directions.c ---- */
 check_fn check_map_seams, check_map_orientation;
 /* ---- check_filters.c ---- */

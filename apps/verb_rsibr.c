@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: MIT
  * verb_rsibr.c - nacre rsibr: radiance maps of a material for a few eyes. */
+#include "apps/draw_ball.h"
 #include "apps/import_ball.h"
 #include "apps/map_words.h"
 #include "apps/verbs.h"
@@ -12,6 +13,7 @@ typedef struct rsibr_options {
     uint32_t views, size, turns;
     bool raw, single;
     import_ball_options ball;
+    draw_ball_options draw;
 } rsibr_options;
 
 /* Everything it holds; closed as one. */
@@ -140,6 +142,10 @@ int verb_rsibr(int argc, char **argv)
          "how MAP lies, or KIND:CONVENTION (default: as it says)"},
         {"--from-up", 0, OPTION_TEXT, &o.from_up, "AXIS",
          "which axis is up in MAP: z (default) or y"},
+        {"--draw", 0, OPTION_TEXT, &o.draw.eye, "X,Y,Z",
+         "MAP is a folder written before: draw a ball of it toward this eye, to -o FILE"},
+        {"--warp", 0, OPTION_TEXT, &o.draw.warp, "HOW",
+         "of --draw: pixel (default), or disc:RINGS, whose difference from it is said"},
         {"--import-ball", 0, OPTION_FLAG, &o.ball.on, NULL,
          "MAP is a picture of a mirror ball: write the light it shows to -o FILE"},
         {"--circle", 0, OPTION_TEXT, &o.ball.circle, "X,Y,R",
@@ -152,8 +158,10 @@ int verb_rsibr(int argc, char **argv)
         APP_OPTIONS(&o.common),
     };
     const command_line line = {
-        .usage = "nacre rsibr MAP|SCENE --brdf NAME[:N] -o FOLDER [options]\n"
-                 "       nacre rsibr PICTURE --import-ball -o FILE [options]",
+        .usage =
+            "nacre rsibr MAP|SCENE --brdf NAME[:N] -o FOLDER [options]\n"
+            "       nacre rsibr FOLDER --draw X,Y,Z [--warp pixel|disc:RINGS] -o FILE [options]\n"
+            "       nacre rsibr PICTURE --import-ball -o FILE [options]",
         .summary = "Compute what a material reflects toward a few eyes, to be warped for others.",
         .example =
             "nacre rsibr data/scenes/trio.json --brdf car-paint -o out/paint\n"
@@ -171,9 +179,15 @@ int verb_rsibr(int argc, char **argv)
         return command_line_missing("MAP");
     if (!o.folder)
         return command_line_missing("-o FOLDER");
-    if (!o.brdf && !o.ball.on)
+    if (!o.brdf && !o.ball.on && !o.draw.eye)
         return command_line_missing("--brdf NAME");
     app_begin(&o.common);
+    if (o.draw.eye || o.draw.warp)
+        return app_exit_code(!o.draw.eye || o.brdf || o.ball.on
+                                 ? ncr_fail(&o.common.ctx, NCR_E_ARG,
+                                            "--warp goes with --draw, which reads a folder and "
+                                            "takes neither --brdf nor --import-ball")
+                                 : draw_ball(&o.common, &o.draw, o.light, o.size, o.folder));
     if (o.ball.on)
         return app_exit_code(o.brdf ? ncr_fail(&o.common.ctx, NCR_E_ARG,
                                                "--import-ball writes a map, of no material")

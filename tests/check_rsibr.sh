@@ -41,6 +41,20 @@ expect 2 "shows all of a surface" render $scene --method rsibr --maps "$work/p" 
     $view -o "$work/b.exr"
 expect 2 "does not reconstruct" render $scene --method rsibr --maps "$work/p" --term recon -o "$work/b.exr"
 
+# A ball of it toward a new eye, warped by pixel and by a disc of triangles, which errs less with more rings.
+expect 2 "pixel or disc:RINGS" rsibr "$work/m" --draw 1,2,3 --warp disc:0 -o "$work/d.exr"
+expect 2 "expected a direction" rsibr "$work/m" --draw 0,0,0 -o "$work/d.exr"
+expect 2 "goes with --draw" rsibr "$work/m" --brdf mirror --warp pixel -o "$work/d.exr"
+expect 0 "every pixel warped by itself" rsibr "$work/m" --draw 0.36,-0.48,0.8 --size 80 -o "$work/c.exr"
+for rings in 8 32; do
+    expect 0 "a disc of $rings rings, off from warping every pixel" rsibr "$work/m" \
+        --draw 0.36,-0.48,0.8 --warp disc:$rings --size 80 -o "$work/d.exr" --json
+    mv "$work/out" "$work/disc-$rings.json"
+done
+jq -se '.[0].inner_error.rms > 4 * .[1].inner_error.rms and .[1].inner_error.rms > 0' \
+    "$work/disc-8.json" "$work/disc-32.json" >/dev/null ||
+    fail "discs: $(cat "$work/disc-8.json" "$work/disc-32.json")"
+
 # Brushed metal has maps by direction of its tangent; where there is none is counted.
 expect 2 "roughness along and across" rsibr $scene -o "$work/b" --brdf ggx:0.01,0.5
 expect 2 "knows no tangents" rsibr "$work/small.exr" -o "$work/b" --brdf ggx:0.5,0.6 --single
