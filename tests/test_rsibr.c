@@ -237,7 +237,8 @@ static double unlike_direct(const ncr_rsibr *set, ncr_radiance_fn *fn, const dou
     return unlike_direct_where(set, fn, eye, least, 0);
 }
 
-/* Resampling errs with the square of the texel, but toward the rims, where directions crowd. A-62 */
+/* Resampling errs with the square of the angle that a texel spans, which at cosine c of an eye's own
+ * normal is 2 / c of its width: toward the rims it does not shrink in proportion.              A-62 */
 static void a_mirror_is_the_direct_map_up_to_resampling_for_any_eye(void **state)
 {
     (void)state;
@@ -260,6 +261,41 @@ static void a_mirror_is_the_direct_map_up_to_resampling_for_any_eye(void **state
             CHECK_NEAR(inner[level - 1] / inner[level], 4, 0.5);
         }
     }
+}
+
+/* With maps that are functions of the direction, not texels, nothing is lost: what the three eyes of
+ * any other have at a direction's place is the direction itself.                           A-62 */
+static void a_mirror_is_exact_without_texels(void **state)
+{
+    (void)state;
+    ncr_view_sphere sphere;
+    CHECK_STATUS(NCR_OK, ncr_view_sphere_init(NULL, 12, &sphere));
+    check_random r = {.seed = 63};
+    for (int k = 0; k < 20000; k++) {
+        double eye[3], n[3], m[3], sum = 0;
+        float want[3], part[3];
+        double got[3] = {0};
+        any_direction(&r, eye);
+        seen_normal(&r, eye, 0, n);
+        for (int i = 0; i < 3; i++)
+            m[i] = 2 * d_dot(n, eye) * n[i] - eye[i];
+        const ncr_view_share share = ncr_view_sphere_share(&sphere, NCR_VIEW_PLANAR, eye);
+        for (int i = 0; i < 3; i++) {
+            double s, t, back[3];
+            const ncr_rsibr_frame f = ncr_rsibr_frame_of(sphere.view[share.view[i]]);
+            const double c = ncr_rsibr_place(&f, NCR_RSIBR_BY_MIRROR, m, &s, &t);
+            const double weight = share.weight[i] * ncr_rsibr_trust(c);
+            ncr_rsibr_direction(&f, NCR_RSIBR_BY_MIRROR, s, t, back);
+            soft_light(back, NULL, part);
+            for (int j = 0; j < 3; j++)
+                got[j] += weight * (double)part[j];
+            sum += weight;
+        }
+        soft_light(m, NULL, want);
+        for (int j = 0; j < 3 && sum > 0; j++)
+            CHECK_NEAR(got[j] / sum, (double)want[j], 3e-7);
+    }
+    ncr_view_sphere_dispose(NULL, &sphere);
 }
 
 /* Phong's lobe goes with the mirror direction, Lambert's with the normal: exact but for resampling,
@@ -584,6 +620,7 @@ int main(void)
         cmocka_unit_test(warps_there_and_back_are_no_warp),
         cmocka_unit_test(trust_is_nothing_at_the_singularity_and_rises_smoothly),
         cmocka_unit_test(a_mirror_is_the_direct_map_up_to_resampling_for_any_eye),
+        cmocka_unit_test(a_mirror_is_exact_without_texels),
         cmocka_unit_test(lobes_are_right_by_their_own_direction_alone),
         cmocka_unit_test(fresnel_is_wrong_as_the_paper_has_it),
         cmocka_unit_test(fresnel_is_right_with_the_albedo_divided_out),
