@@ -241,8 +241,7 @@ static ncr_status describe_light(const info_options *o, json_t *out)
             *info.name ? " " : "", info.name, info.levels, info.size, info.size, info.intensity);
     app_say(a, "mean radiance %.4g %.4g %.4g, by its first coefficient of irradiance", info.mean[0],
             info.mean[1], info.mean[2]);
-    app_say(a, "its world has y up; its faces: %s",
-            ncr_convention_find("gltf", NCR_MAP_CUBE)->says);
+    app_say(a, "its world has y up; %s", ncr_convention_find("gltf", NCR_MAP_CUBE)->says);
     if (info.lights > 1)
         app_say(a, "and %u more lights", info.lights - 1);
     json_object_update_new(
