@@ -138,6 +138,24 @@ static const ncr_gloss glosses[] = {
 };
 enum { gloss_count = sizeof glosses / sizeof *glosses };
 
+/* Where a form errs: among normals near grazing, between, and facing the eye. */
+static void print_parts(int form, const double n[probes][3], const float got[probes],
+                        const double want[probes])
+{
+    double off[3] = {0}, size[3] = {0};
+    for (int k = 0; k < probes; k++) {
+        const double c = d_dot(n[k], eye);
+        const int part = c < 0.3 ? 0 : c < 0.7 ? 1 : 2;
+        off[part] += pow((double)got[k] - want[k], 2);
+        size[part] += want[k] * want[k];
+    }
+    print_message("  form %d, n.v below .3, .7, 1:", form);
+    for (int part = 0; part < 3; part++)
+        print_message("  %.3f (%2.0f %%)", sqrt(off[part] / size[part]),
+                      100 * off[part] / (off[0] + off[1] + off[2]));
+    print_message("\n");
+}
+
 /* Against the sum over all texels of the map with the BRDF itself. */
 static void every_form_nears_brute_force(void **state)
 {
@@ -160,6 +178,7 @@ static void every_form_nears_brute_force(void **state)
             for (int k = 0; k < probes; k++)
                 error[form] += pow((double)got[k] - want[k], 2);
             error[form] = sqrt(error[form] / size);
+            print_parts(form, (const double(*)[3])n, got, want);
         }
         print_message("%s %.1f n %.1f  %.4f  %.4f  %.4f (%u, %u)   %.3f %.3f %.3f\n",
                       glosses[g].facets.facets ? "Beckmann" : "GGX", glosses[g].facets.alpha,
