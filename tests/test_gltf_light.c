@@ -33,14 +33,15 @@ static double irradiance(const double c[9][3], const double n[3], int channel)
     return sum;
 }
 
-static void linear_light(const double d[3], void *user, float *out)
+static void light_of_three_degrees(const double d[3], void *user, float *out)
 {
     (void)user;
     for (int c = 0; c < 3; c++)
-        out[c] = (float)(2 + d[c]);
+        out[c] = (float)(2 + d[c] + d[(c + 1) % 3] * d[(c + 2) % 3]);
 }
 
-/* L = 2 + d_c: E(n) = 2 pi + (2 pi/3) n_c, with n in the file's world (x, z, -y). */
+/* L = 2 + d_c + d_i d_j, i and j the other two: E(n) = 2 pi + (2 pi/3) n_c + (pi/4) n_i n_j, with n
+ * in the file's world (x, z, -y). */
 static void coefficients_are_the_irradiance(void **state)
 {
     (void)state;
@@ -53,7 +54,8 @@ static void coefficients_are_the_irradiance(void **state)
             CHECK_STATUS(NCR_OK, ncr_directional_map_init(ctx, (ncr_map_kind)kind, 64, 3, &map));
             if (up)
                 map.axes = (ncr_axes){{-3, 1, 2}};
-            CHECK_STATUS(NCR_OK, ncr_directional_map_fill(ctx, &map, 0, linear_light, NULL));
+            CHECK_STATUS(NCR_OK,
+                         ncr_directional_map_fill(ctx, &map, 0, light_of_three_degrees, NULL));
             ncr_gltf_irradiance(&map, c);
             for (int k = 0; k < 50; k++) {
                 double n[3], length = 0;
@@ -62,8 +64,11 @@ static void coefficients_are_the_irradiance(void **state)
                 for (int i = 0; i < 3; i++)
                     n[i] /= sqrt(length);
                 for (int i = 0; i < 3; i++) { /* our axis i is the file's axis turned[i] */
+                    const int j = (i + 1) % 3, m = (i + 2) % 3;
                     const double along = sign[i] * n[(int)turned[i]];
-                    CHECK_NEAR(irradiance((const double(*)[3])c, n, i), 2 * pi + 2 * pi / 3 * along,
+                    const double across = sign[j] * n[(int)turned[j]] * sign[m] * n[(int)turned[m]];
+                    CHECK_NEAR(irradiance((const double(*)[3])c, n, i),
+                               2 * pi + 2 * pi / 3 * along + pi / 4 * across,
                                (kind == NCR_MAP_SPHERE ? 4.0 : 1.0) / (64 * 64) * 2 * pi);
                 }
             }
