@@ -66,13 +66,13 @@ static inline void any_direction(check_random *r, double d[3])
 }
 
 /* An eye, a normal that it sees at a cosine above `least`, and a tangent there. */
-typedef struct point {
+typedef struct seen_point {
     double v[3], n[3], t[3];
-} point;
+} seen_point;
 
-static inline point any_point(check_random *r, double least)
+static inline seen_point any_point(check_random *r, double least)
 {
-    point p;
+    seen_point p;
     any_direction(r, p.v);
     do
         any_direction(r, p.n);
@@ -85,7 +85,7 @@ static inline point any_point(check_random *r, double least)
     return p;
 }
 
-static inline void shade(const ncr_rsibr *set, const point *p, float out[1][3])
+static inline void shade(const ncr_rsibr *set, const seen_point *p, float out[1][3])
 {
     const ncr_vec3 view = d_to_v(p->v), normal = d_to_v(p->n), tangent = d_to_v(p->t);
     ncr_rsibr_shade(set, NULL, 1, &view, &normal, &tangent, out);

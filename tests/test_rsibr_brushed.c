@@ -2,6 +2,7 @@
 #include "brushed_maps.h"
 #include "starved.h"
 
+#include "shading/method.h"
 #include "shading/rsibr_disc.h"
 
 #include <string.h>
@@ -17,7 +18,7 @@ static void even_light_gives_the_albedo(void **state)
     ncr_rsibr set = set_of(even_light, &brdf, NCR_OPTS(ncr_rsibr_opts, .size = 8, .turns = 4));
     check_random r = {.seed = 12};
     for (int k = 0; k < 2000; k++) {
-        const point p = any_point(&r, 0.1);
+        const seen_point p = any_point(&r, 0.1);
         double b[3];
         float got[1][3];
         d_cross(p.n, p.t, b);
@@ -37,7 +38,7 @@ static void a_tangent_and_its_opposite_are_one_however_long(void **state)
     ncr_rsibr set = set_of(room_light, &brdf, NCR_OPTS(ncr_rsibr_opts, .size = 16, .turns = 5));
     check_random r = {.seed = 31};
     for (int k = 0; k < 2000; k++) {
-        point p = any_point(&r, 0.05);
+        seen_point p = any_point(&r, 0.05);
         float one[1][3], other[1][3];
         shade(&set, &p, one);
         for (int i = 0; i < 3; i++)
@@ -64,7 +65,7 @@ static void as_rough_along_as_across_is_the_plain_gloss(void **state)
     check_random r = {.seed = 44};
     double most = 0;
     for (int k = 0; k < 2000; k++) {
-        const point p = any_point(&r, 0.05);
+        const seen_point p = any_point(&r, 0.05);
         float one[1][3], other[1][3];
         shade(&a, &p, one);
         shade(&b, &p, other);
@@ -87,7 +88,7 @@ static void a_quarter_turn_is_the_other_way_round(void **state)
     check_random r = {.seed = 45};
     double square = 0, size = 0;
     for (int k = 0; k < 1000; k++) {
-        point p = any_point(&r, 0.3);
+        seen_point p = any_point(&r, 0.3);
         memcpy(p.v, a.sphere.view[k % 12], sizeof p.v);
         if (d_dot(p.n, p.v) < 0.3)
             continue;
@@ -115,7 +116,7 @@ static void points_without_a_tangent_have_an_answer(void **state)
     ncr_rsibr set = set_of(room_light, &brdf, NCR_OPTS(ncr_rsibr_opts, .size = 8, .turns = 5));
     check_random r = {.seed = 9};
     for (int k = 0; k < 1000; k++) {
-        point p = any_point(&r, k % 2 ? 0.05 : -0.5);
+        seen_point p = any_point(&r, k % 2 ? 0.05 : -0.5);
         if (k % 4 == 1) /* an eye of the set sees its own opposite at the rim */
             memcpy(p.v, set.sphere.view[k % 12], sizeof p.v);
         const ncr_vec3 view = d_to_v(p.v), normal = d_to_v(p.n), none[] = {{0, 0, 0}, normal};
@@ -131,6 +132,55 @@ static void points_without_a_tangent_have_an_answer(void **state)
                         got[2][c] == got[0][c]);
     }
     ncr_rsibr_dispose(NULL, &set);
+}
+
+/* A patch with one edge drawn together to a point, where dP/du vanishes. */
+static ncr_surface *fan(void)
+{
+    double net[1][16][3];
+    ncr_surface *surface;
+    for (int k = 0; k < 16; k++) {
+        net[0][k][0] = (k % 4) * (k / 4);
+        net[0][k][1] = k / 4;
+        net[0][k][2] = 0;
+    }
+    CHECK_STATUS(NCR_OK,
+                 ncr_surface_create_bezier(NULL, 1, (const double(*)[16][3])net, NULL, &surface));
+    return surface;
+}
+
+static void pixels_without_a_tangent_are_counted(void **state)
+{
+    (void)state;
+    const ncr_rsibr_brdf brdf = brushed(0.4, 0.8);
+    ncr_rsibr set;
+    ncr_method method;
+    ncr_gbuffer g;
+    ncr_image image;
+    ncr_shade_stats stats;
+    ncr_surface *surface = fan();
+    CHECK_STATUS(NCR_OK, ncr_rsibr_init(NULL, &brdf, NCR_OPTS(ncr_rsibr_opts, .size = 4), &set));
+    CHECK_STATUS(NCR_OK, ncr_method_find(NULL, "rsibr", &method));
+    CHECK_STATUS(NCR_OK, ncr_gbuffer_init(NULL, 5, 1, &g));
+    CHECK_STATUS(NCR_OK, ncr_image_init(NULL, 5, 1, 3, &image));
+    for (int k = 0; k < 5; k++) {
+        g.object[k] = g.patch[k] = 0;
+        g.u[k] = 0.5f;
+        g.v[k] = k < 2 ? 0 : 0.2f * (float)k; /* two on the point */
+        g.nz[k] = g.vz[k] = 1;
+    }
+    ncr_shading_inputs in = {.rsibr = &set};
+    CHECK_STATUS(NCR_E_ARG, ncr_method_shade(NULL, &method, NCR_TERM_REFLECT, NULL, NULL, &in, &g,
+                                             &image, &stats));
+    in.surface = surface;
+    CHECK_STATUS(NCR_OK, ncr_method_shade(NULL, &method, NCR_TERM_REFLECT, NULL, NULL, &in, &g,
+                                          &image, &stats));
+    assert_int_equal(stats.shaded, 5);
+    assert_int_equal(stats.fallbacks, 2);
+    ncr_image_dispose(NULL, &image);
+    ncr_gbuffer_dispose(NULL, &g);
+    ncr_rsibr_dispose(NULL, &set);
+    ncr_surface_destroy(NULL, surface);
 }
 
 /* --- mechanics --------------------------------------------------------------------------------- */
@@ -212,6 +262,7 @@ int main(void)
         cmocka_unit_test(as_rough_along_as_across_is_the_plain_gloss),
         cmocka_unit_test(a_quarter_turn_is_the_other_way_round),
         cmocka_unit_test(points_without_a_tangent_have_an_answer),
+        cmocka_unit_test(pixels_without_a_tangent_are_counted),
         cmocka_unit_test(nothing_leaks_when_memory_runs_out),
         cmocka_unit_test(any_number_of_workers_gives_the_same_bits),
         cmocka_unit_test(wrong_words_and_requests_are_refused),

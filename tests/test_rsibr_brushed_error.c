@@ -6,7 +6,7 @@
 #include <string.h>
 
 /* All texels, each by its solid angle: nothing of maps, tables or warps. */
-static void integrate(const ncr_directional_map *env, const ncr_brushed *m, const point *p,
+static void integrate(const ncr_directional_map *env, const ncr_brushed *m, const seen_point *p,
                       double out[3])
 {
     double area[rows], b[3];
@@ -34,7 +34,7 @@ static double unlike_integral(const ncr_rsibr *set, bool own)
     check_random r = {.seed = 6};
     double error = 0, size = 0;
     for (int k = 0; k < draws; k++) {
-        point p = any_point(&r, 0.2);
+        seen_point p = any_point(&r, 0.2);
         while (own && d_dot(p.n, set->sphere.view[k % 12]) < 0.2)
             p = any_point(&r, 0.2);
         if (own)
