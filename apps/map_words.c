@@ -128,22 +128,3 @@ ncr_status map_from_word(const app *a, const char *word, const char *file,
         return by_shape(a, word, file, out);
     return found ? NCR_OK : unknown(a, "--from", word, count + kind_names(names + count), names);
 }
-
-ncr_status map_words_read(const app *a, const char *file, const char *from, const char *from_up,
-                          ncr_directional_map *out, ncr_map_file_report *report)
-{
-    ncr_map_stated as;
-    ncr_status status = map_from_word(a, from, file, &as.convention);
-    if (status == NCR_OK)
-        status = map_up_word(a, "--from-up", from_up, &as.world);
-    if (status == NCR_OK && !as.convention) {
-        status = ncr_map_file_stated(&a->ctx, file, &as);
-        if (status == NCR_OK && !as.convention)
-            return ncr_fail(
-                &a->ctx, NCR_E_ARG,
-                "%s: does not say how it lies: name its convention with --from, such as "
-                "usd for a panorama with y up (docs/maps.md lists them)",
-                file);
-    }
-    return status == NCR_OK ? ncr_map_file_read(&a->ctx, file, as, out, report) : status;
-}

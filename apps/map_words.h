@@ -20,8 +20,4 @@ ncr_status map_convention_word(const app *a, const char *word, ncr_map_kind kind
 ncr_status map_from_word(const app *a, const char *word, const char *file,
                          const ncr_convention **out);
 
-/** Read a map as --from and --from-up say, or as the file does. */
-ncr_status map_words_read(const app *a, const char *file, const char *from, const char *from_up,
-                          ncr_directional_map *out, ncr_map_file_report *report);
-
 #endif

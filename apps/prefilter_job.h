@@ -4,14 +4,16 @@
 #define NCR_APPS_PREFILTER_JOB_H
 
 #include "apps/filter_words.h"
+#include "apps/map_options.h"
 
 typedef struct prefilter_options {
     app common;
-    const char *in, *out, *lobe, *kind, *from, *convention, *from_up, *up, *window, *view, *eta;
-    const char *split_sum;
+    const char *in, *out, *lobe, *kind, *window, *view, *eta, *split_sum;
+    map_in_options read;
+    map_out_options write;
     uint32_t size, levels, order, probes;
-    double tolerance, peel, exposure;
-    bool half, single, rgb9e5, positive, no_peel, lights_apart, same_size, harmonics;
+    double tolerance, peel;
+    bool positive, no_peel, lights_apart, same_size, harmonics;
 } prefilter_options;
 
 /** One filtered map. Radiance in the map's units. */

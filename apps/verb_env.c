@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  * verb_env.c - nacre env: directional maps from kind to kind and convention to convention. */
 #include "apps/env_light.h"
-#include "apps/map_words.h"
+#include "apps/map_options.h"
 #include "apps/report_rates.h"
 #include "apps/verbs.h"
 
@@ -10,10 +10,11 @@
 
 typedef struct env_options {
     app common;
-    const char *in, *out, *to, *from, *convention, *from_up, *up;
+    const char *in, *out, *to;
+    map_in_options read;
+    map_out_options write;
     uint32_t size;
-    double exposure;
-    bool chart, half, single, rgb9e5, mips, rates;
+    bool chart, mips, rates;
 } env_options;
 
 /* Everything a conversion holds; closed as one. */
@@ -44,7 +45,7 @@ static uint32_t fitting_size(const ncr_directional_map *in, ncr_map_kind kind)
 static ncr_status read_map(env_job *job)
 {
     const env_options *o = job->o;
-    return map_words_read(&o->common, o->in, o->from, o->from_up, &job->in, &job->read);
+    return map_in_read(&o->common, &o->read, o->in, &job->in, &job->read);
 }
 
 /* A map becomes a file row by row, and is spent by it. Edges of the chart's letters are sampled four
@@ -56,14 +57,8 @@ static ncr_status make_map(env_job *job)
     const uint32_t size = o->size    ? o->size
                           : o->chart ? 256
                                      : fitting_size(&job->in, job->as.convention->kind);
-    const ncr_map_file_opts how = {.struct_size = sizeof how,
-                                   .as = job->as,
-                                   .size = size,
-                                   .half = o->half,
-                                   .exposure = o->exposure,
-                                   .ktx2 = o->rgb9e5   ? NCR_KTX2_RGB9E5
-                                           : o->single ? NCR_KTX2_FLOAT
-                                                       : NCR_KTX2_HALF};
+    ncr_map_file_opts how = map_out_file(&o->write, job->as);
+    how.size = size;
     const ncr_map_function chart = {
         .fn = ncr_orientation_chart, .spacing = 0.5 / size, .channels = 3};
     if (!o->chart)
@@ -114,14 +109,9 @@ static ncr_status run(env_job *job)
 {
     const env_options *o = job->o;
     const app *a = &o->common;
-    ncr_map_kind kind;
-    ncr_status status = map_kind_word(a, "--to", o->to, &kind);
-    if (status == NCR_OK)
-        status = map_convention_word(a, o->convention, kind, &job->as.convention);
-    if (status == NCR_OK)
-        status = map_up_word(a, "--up", o->up, &job->as.world);
+    ncr_status status = map_out_layout(a, &o->write, "--to", o->to, &job->as);
     const bool light = env_is_light(o->out);
-    if (status == NCR_OK && light && (o->to || o->convention || o->up || o->mips))
+    if (status == NCR_OK && light && (o->to || o->write.convention || o->write.up || o->mips))
         status =
             ncr_fail(&a->ctx, NCR_E_ARG,
                      "%s: a light of glTF has its own layout, without --to, --convention, --up "
@@ -240,18 +230,9 @@ int verb_env(int argc, char **argv)
          "cube (default), octahedral, latlong, sphere, paraboloid"},
         {"--size", 0, OPTION_COUNT, &o.size, "N",
          "texels along a face, or down the map (default: as fine as IN)"},
-        {"--from", 0, OPTION_TEXT, &o.from, "CONVENTION",
-         "how IN lies, or KIND:CONVENTION (default: as IN says)"},
-        {"--convention", 0, OPTION_TEXT, &o.convention, "NAME",
-         "how OUT is to lie: opengl, webgl, openexr, oiio, usd, vcross ..."},
-        {"--from-up", 0, OPTION_TEXT, &o.from_up, "AXIS",
-         "which axis is up in IN: z (default) or y"},
-        {"--up", 0, OPTION_TEXT, &o.up, "AXIS", "which axis is to be up in OUT: z (default) or y"},
+        MAP_IN_OPTIONS(&o.read, "IN"),
+        MAP_OUT_OPTIONS(&o.write),
         {"--mips", 0, OPTION_FLAG, &o.mips, NULL, "all levels, by solid angle (KTX2)"},
-        {"--half", 0, OPTION_FLAG, &o.half, NULL, "store EXR as halves (KTX2 is halves anyway)"},
-        {"--float", 0, OPTION_FLAG, &o.single, NULL, "store KTX2 as floats"},
-        {"--rgb9e5", 0, OPTION_FLAG, &o.rgb9e5, NULL, "store KTX2 as E5B9G9R9, 4 bytes a texel"},
-        {"--exposure", 0, OPTION_NUMBER, &o.exposure, "E", "factor for PNG (default 1)"},
         {"--chart", 0, OPTION_FLAG, &o.chart, NULL,
          "no IN: draw six labelled faces, to see which way a map lies"},
         {"--rates", 0, OPTION_FLAG, &o.rates, NULL,
@@ -288,9 +269,6 @@ int verb_env(int argc, char **argv)
     if (!o.out)
         return command_line_missing("-o OUT");
     app_begin(&o.common);
-    if (o.half + o.single + o.rgb9e5 > 1)
-        return app_exit_code(
-            ncr_fail(&o.common.ctx, NCR_E_ARG, "--half, --float and --rgb9e5 exclude each other"));
     if (words && o.chart)
         return app_exit_code(
             ncr_fail(&o.common.ctx, NCR_E_ARG, "--chart draws its own map and takes no IN"));

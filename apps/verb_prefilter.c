@@ -1,6 +1,5 @@
 /* SPDX-License-Identifier: MIT
  * verb_prefilter.c - nacre prefilter: environment maps filtered by lobes, to a stated tolerance. */
-#include "apps/map_words.h"
 #include "apps/prefilter_job.h"
 #include "apps/split_sum.h"
 #include "apps/verbs.h"
@@ -12,12 +11,7 @@ static ncr_status read_words(prefilter_job *job)
 {
     const prefilter_options *o = job->o;
     const app *a = &o->common;
-    ncr_map_kind kind;
-    ncr_status status = map_kind_word(a, "--kind", o->kind, &kind);
-    if (status == NCR_OK)
-        status = map_convention_word(a, o->convention, kind, &job->as.convention);
-    if (status == NCR_OK)
-        status = map_up_word(a, "--up", o->up, &job->as.world);
+    ncr_status status = map_out_layout(a, &o->write, "--kind", o->kind, &job->as);
     if (status == NCR_OK)
         status = filter_word(a, o->lobe, o->view != NULL, o->eta, &job->choice);
     if (status == NCR_OK)
@@ -30,8 +24,6 @@ static ncr_status read_words(prefilter_job *job)
 /* What goes together; the sentence for what does not. */
 static const char *contradiction(const prefilter_options *o, const filter_choice *c)
 {
-    if (o->half + o->single + o->rgb9e5 > 1)
-        return "--half, --float and --rgb9e5 exclude each other";
     if (!o->out && !o->harmonics)
         return "-o OUT is missing";
     if (c->view && (o->harmonics || o->order || o->window || o->lights_apart || o->peel > 0))
@@ -70,14 +62,8 @@ static ncr_status write_levels(prefilter_job *job)
 {
     const prefilter_options *o = job->o;
     const ncr_ctx *ctx = &o->common.ctx;
-    ncr_map_file_opts how = {.struct_size = sizeof how,
-                             .first = job->levels[0].mirror ? &job->in : NULL,
-                             .as = job->as,
-                             .half = o->half,
-                             .exposure = o->exposure,
-                             .ktx2 = o->rgb9e5   ? NCR_KTX2_RGB9E5
-                                     : o->single ? NCR_KTX2_FLOAT
-                                                 : NCR_KTX2_HALF};
+    ncr_map_file_opts how = map_out_file(&o->write, job->as);
+    how.first = job->levels[0].mirror ? &job->in : NULL;
     if (strchr(o->out, '#'))
         return write_apart(job, &how);
     ncr_directional_map levels[NCR_KTX2_LEVELS];
@@ -114,7 +100,7 @@ static ncr_status run(prefilter_job *job)
     status = check_out(job);
     double began = app_seconds();
     if (status == NCR_OK)
-        status = map_words_read(a, o->in, o->from, o->from_up, &job->in, &job->read);
+        status = map_in_read(a, &o->read, o->in, &job->in, &job->read);
     job->seconds[0] = app_seconds() - began;
     job->in_size = job->in.size;
     if (status == NCR_OK)
@@ -192,15 +178,8 @@ int verb_prefilter(int argc, char **argv)
          "no MAP: the table of scale, bias and lost light by n.v and roughness: ggx, beckmann"},
         {"--probes", 0, OPTION_COUNT, &o.probes, "N",
          "directions in which the error is measured (default 16 to 256)"},
-        {"--from", 0, OPTION_TEXT, &o.from, "CONVENTION",
-         "how MAP lies, or KIND:CONVENTION (default: as MAP says)"},
-        {"--from-up", 0, OPTION_TEXT, &o.from_up, "AXIS", "which axis is up in MAP: z or y"},
-        {"--convention", 0, OPTION_TEXT, &o.convention, "NAME", "how OUT is to lie"},
-        {"--up", 0, OPTION_TEXT, &o.up, "AXIS", "which axis is to be up in OUT: z or y"},
-        {"--half", 0, OPTION_FLAG, &o.half, NULL, "store EXR as halves (KTX2 is halves anyway)"},
-        {"--float", 0, OPTION_FLAG, &o.single, NULL, "store KTX2 as floats"},
-        {"--rgb9e5", 0, OPTION_FLAG, &o.rgb9e5, NULL, "store KTX2 as E5B9G9R9, 4 bytes a texel"},
-        {"--exposure", 0, OPTION_NUMBER, &o.exposure, "E", "factor for PNG (default 1)"},
+        MAP_IN_OPTIONS(&o.read, "MAP"),
+        MAP_OUT_OPTIONS(&o.write),
         APP_OPTIONS(&o.common),
     };
     const command_line line = {

@@ -2,6 +2,7 @@
  * verb_rsibr.c - nacre rsibr: radiance maps of a material for a few eyes. */
 #include "apps/draw_ball.h"
 #include "apps/import_ball.h"
+#include "apps/map_options.h"
 #include "apps/map_words.h"
 #include "apps/verbs.h"
 
@@ -9,7 +10,8 @@
 
 typedef struct rsibr_options {
     app common;
-    const char *light, *folder, *brdf, *from, *from_up;
+    const char *light, *folder, *brdf;
+    map_in_options read;
     uint32_t views, size, turns;
     bool raw, single;
     import_ball_options ball;
@@ -53,9 +55,9 @@ static ncr_status read_light(rsibr_job *job)
     ncr_map_file_report report;
     if (is_scene(o->light))
         return paint_sky(a, o->light, &job->env);
-    ncr_status status = map_from_word(a, o->from, o->light, &as.convention);
+    ncr_status status = map_from_word(a, o->read.from, o->light, &as.convention);
     if (status == NCR_OK)
-        status = map_up_word(a, "--from-up", o->from_up, &as.world);
+        status = map_up_word(a, "--from-up", o->read.up, &as.world);
     if (status == NCR_OK)
         status = ncr_map_file_read(&a->ctx, o->light, as, &job->env, &report);
     if (status == NCR_OK && (report.negative || report.nonfinite))
@@ -138,10 +140,7 @@ int verb_rsibr(int argc, char **argv)
          "directions of the tangent of brushed metal (default: 8 ALPHA/ACROSS or the inverse)"},
         {"--raw", 0, OPTION_FLAG, &o.raw, NULL, "keep radiance as it is, albedo and all"},
         {"--single", 0, OPTION_FLAG, &o.single, NULL, "one map for all lobes, by mirror direction"},
-        {"--from", 0, OPTION_TEXT, &o.from, "CONVENTION",
-         "how MAP lies, or KIND:CONVENTION (default: as it says)"},
-        {"--from-up", 0, OPTION_TEXT, &o.from_up, "AXIS",
-         "which axis is up in MAP: z (default) or y"},
+        MAP_IN_OPTIONS(&o.read, "MAP"),
         {"--draw", 0, OPTION_TEXT, &o.draw.eye, "X,Y,Z",
          "MAP is a folder written before: draw a ball of it toward this eye, to -o FILE"},
         {"--warp", 0, OPTION_TEXT, &o.draw.warp, "HOW",
