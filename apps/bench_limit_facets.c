@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT
  * bench_limit_facets.c - Cook and Torrance's reflectance summed over every texel: Beckmann's facets,
- * V-shaped cavities, everything that does not depend on the normal known beforehand. */
+ * V-shaped cavities, everything that does not depend on the normal known beforehand. Apart from
+ * shading/facet_kernel_internal.h on purpose: a limit shares no code with what it is the limit of. */
 #include "apps/bench_limit_kernels.h"
 #include "apps/bench_limit_texels.h"
 
