@@ -200,25 +200,19 @@ static uint32_t choose_block(const ncr_sht *sht)
 
 static ncr_status init_work(const ncr_ctx *ctx, ncr_sht *sht)
 {
-    const size_t columns = 2 * (size_t)sht->channels, degrees = (size_t)sht->last + 9;
+    const size_t parts = 4 * (size_t)sht->channels;
     const bool whole = sht->block == sht->rings.count;
     if (!whole)
         sht->rows.padded = round_up(sht->block + sht->border, NCR_WIDEST);
     const size_t rows =
         whole ? sht->rows.rows : 2 * (sht->block + sht->border + 2 * (size_t)NCR_BAND_MARGIN);
     const size_t coarse = sht->coarse ? rows * sht->width * sht->channels : 0;
-    sht->row_floats = ncr_row_scratch(&sht->rows);
-    sht->order_doubles =
-        round_up((uint32_t)((2 + columns) * degrees + (2 * columns + 3) * sht->block), 8);
-    sht->row_work = ncr_alloc(ctx, sht->workers * sht->row_floats * sizeof(float));
-    sht->order_work = ncr_alloc(ctx, sht->workers * sht->order_doubles * sizeof(double));
+    const ncr_status status = ncr_sht_work_init(ctx, sht);
     sht->rows.spectrum =
-        ncr_alloc(ctx, (size_t)sht->rows.orders * 2 * columns * sht->rows.padded * sizeof(float));
+        ncr_alloc(ctx, (size_t)sht->rows.orders * parts * sht->rows.padded * sizeof(float));
     if (coarse)
         sht->rows.data = sht->coarse_rows = ncr_alloc(ctx, coarse * sizeof(float));
-    const bool failed =
-        !sht->row_work || !sht->order_work || !sht->rows.spectrum || (coarse && !sht->coarse_rows);
-    return failed ? NCR_E_NOMEM : NCR_OK;
+    return !sht->rows.spectrum || (coarse && !sht->coarse_rows) ? NCR_E_NOMEM : status;
 }
 
 ncr_status ncr_sht_init(const ncr_ctx *ctx, uint32_t width, uint32_t height, uint32_t channels,
@@ -255,20 +249,9 @@ void ncr_sht_dispose(const ncr_ctx *ctx, ncr_sht *sht)
     ncr_taps_dispose(ctx, &sht->across);
     ncr_free(ctx, sht->ring_tables);
     ncr_free(ctx, sht->coarse_rows);
-    ncr_free(ctx, sht->row_work);
-    ncr_free(ctx, sht->order_work);
+    ncr_free(ctx, sht->work);
     ncr_free(ctx, sht->rows.spectrum);
     *sht = (ncr_sht){0};
-}
-
-ncr_order_work ncr_sht_order_work(const ncr_sht *sht, unsigned worker)
-{
-    const size_t columns = 2 * (size_t)sht->channels, degrees = (size_t)sht->last + 9;
-    double *data = sht->order_work + worker * sht->order_doubles;
-    double *state = data + 2 * columns * sht->block;
-    double *step = state + 3 * (size_t)sht->block;
-    return (ncr_order_work){
-        .data = data, .state = state, .step = step, .coefficient = step + 2 * degrees};
 }
 
 ncr_tap_group ncr_sht_group(const ncr_sht *sht, uint32_t row)

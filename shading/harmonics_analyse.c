@@ -99,8 +99,9 @@ static ncr_status run_block(const ncr_ctx *ctx, ncr_analysis *job)
     else if (job->clean)
         status = ncr_parallel_for(ctx, job->now.set.pairs, 1, ncr_analysis_clean_rows, job);
     if (!status)
-        status = ncr_parallel_for(ctx, batches, 1, ncr_analysis_transform_rows, job);
-    return status ? status : ncr_parallel_for(ctx, sht->last + 1, 1, sum_orders, job);
+        status = ncr_sht_for(ctx, sht, sht->row_slots, batches, ncr_analysis_transform_rows, job);
+    return status ? status
+                  : ncr_sht_for(ctx, sht, sht->order_slots, sht->last + 1, sum_orders, job);
 }
 
 static ncr_status run(const ncr_ctx *ctx, ncr_analysis *job)

@@ -148,7 +148,7 @@ void ncr_analysis_transform_rows(size_t first, size_t past, unsigned worker, voi
             scan_pairs(job, pair, lanes, &job->scans[pair / lanes]);
         }
         sht->kernels->rows_to_spectrum(&job->now.set, (uint32_t)k * lanes,
-                                       sht->row_work + worker * sht->row_floats);
+                                       ncr_sht_row_work(sht, worker));
     }
 }
 

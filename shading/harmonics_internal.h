@@ -16,17 +16,18 @@ typedef struct ncr_sht {
     uint32_t coarse; /* 0: rings are the map's own rows */
     uint32_t border; /* rows over each pole: NCR_TAPS/2, or 0 */
     ncr_fft fft;
-    ncr_taps along, across;        /* along a row; from map rows to coarse rows */
-    ncr_row_set rows;              /* of the map, or coarse ones */
-    ncr_ring_set rings;            /* without the border */
-    double *ring_tables;           /* what `rings` points into */
-    float *coarse_rows, *row_work; /* row_work: [workers][row_floats] */
-    double *order_work;            /* [workers][order_doubles] */
+    ncr_taps along, across; /* along a row; from map rows to coarse rows */
+    ncr_row_set rows;       /* of the map, or coarse ones */
+    ncr_ring_set rings;     /* without the border */
+    double *ring_tables;    /* what `rings` points into */
+    float *coarse_rows;
+    void *work; /* [row_slots][row_floats] floats, or [order_slots][order_doubles] doubles */
     size_t row_floats, order_doubles;
+    uint32_t row_slots, order_slots; /* as many as there are workers, or have room in 24 MiB */
     uint32_t block; /* rings at a time; all of them unless that takes too much memory */
 } ncr_sht;
 
-/* Parts of one worker's order_work. */
+/* Parts of one slot, for an order. */
 typedef struct ncr_order_work {
     double *step, *coefficient, *data, *state;
 } ncr_order_work;
@@ -43,7 +44,14 @@ ncr_status ncr_sht_init(const ncr_ctx *ctx, uint32_t width, uint32_t height, uin
 enum { NCR_BAND_MARGIN = NCR_TAPS - 1 };
 void ncr_sht_dispose(const ncr_ctx *ctx, ncr_sht *sht);
 
-ncr_order_work ncr_sht_order_work(const ncr_sht *sht, unsigned worker);
+/* Room to work in (harmonics_work.c), part of ncr_sht_init; and one slot of it. */
+ncr_status ncr_sht_work_init(const ncr_ctx *ctx, ncr_sht *sht);
+float *ncr_sht_row_work(const ncr_sht *sht, unsigned slot);
+ncr_order_work ncr_sht_order_work(const ncr_sht *sht, unsigned slot);
+
+/* ncr_parallel_for by ones, where the body's `worker` is a slot below `slots`. */
+ncr_status ncr_sht_for(const ncr_ctx *ctx, const ncr_sht *sht, uint32_t slots, size_t count,
+                       ncr_range_fn *fn, void *arg);
 
 /* The next rows of the map, from `row` on, that share their place on the coarse grid: at most 4. */
 ncr_tap_group ncr_sht_group(const ncr_sht *sht, uint32_t row);

@@ -78,7 +78,7 @@ static void transform_rings(size_t first, size_t past, unsigned worker, void *ar
     const ncr_sht *sht = &job->sht;
     for (size_t k = first; k < past; k++)
         sht->kernels->spectrum_to_rows(&sht->rows, (uint32_t)k * sht->kernels->lanes,
-                                       sht->row_work + worker * sht->row_floats);
+                                       ncr_sht_row_work(sht, worker));
 }
 
 enum { rows_per_chunk = 32 };
@@ -109,9 +109,9 @@ static ncr_status run(const ncr_ctx *ctx, synthesis *job)
 {
     const ncr_sht *sht = &job->sht;
     const size_t batches = (sht->rows.pairs + sht->kernels->lanes - 1) / sht->kernels->lanes;
-    ncr_status status = ncr_parallel_for(ctx, sht->last + 1, 1, sum_degrees, job);
+    ncr_status status = ncr_sht_for(ctx, sht, sht->order_slots, sht->last + 1, sum_degrees, job);
     if (!status)
-        status = ncr_parallel_for(ctx, batches, 1, transform_rings, job);
+        status = ncr_sht_for(ctx, sht, sht->row_slots, batches, transform_rings, job);
     if (!status && sht->coarse)
         status = ncr_parallel_for(ctx, sht->height, rows_per_chunk, gather_rows, job);
     return status;

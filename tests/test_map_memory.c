@@ -204,17 +204,50 @@ static void transforms_of_the_largest_maps_stay_within_bounds(void **state)
     (void)state;
     static const uint32_t cases[][3] = {
         {16384, 8192, 100}, {16384, 8192, 500}, {16384, 8192, 2000}, {8192, 4096, 2000}};
-    for (int k = 0; k < 4; k++) {
+    static const unsigned workers[] = {1, 2, 8, 64};
+    for (int k = 0; k < 16; k++) {
+        const uint32_t *c = cases[k / 4];
         meter m = {0};
-        const ncr_ctx own = metered(&m, 2);
+        const ncr_ctx own = metered(&m, workers[k % 4]);
         ncr_sht sht;
-        CHECK_STATUS(NCR_OK,
-                     ncr_sht_init(&own, cases[k][0], cases[k][1], 3, cases[k][2], false, 0, &sht));
-        CHECK(m.peak <= 160 << 20, "%u x %u to degree %u: %zu bytes", cases[k][0], cases[k][1],
-              cases[k][2], (size_t)m.peak);
+        CHECK_STATUS(NCR_OK, ncr_sht_init(&own, c[0], c[1], 3, c[2], false, 0, &sht));
+        CHECK(m.peak <= 160 << 20, "%u x %u to degree %u, %u workers: %zu bytes", c[0], c[1], c[2],
+              own.workers, (size_t)m.peak);
         ncr_sht_dispose(&own, &sht);
         assert_int_equal(m.now, 0);
     }
+}
+
+/* Of rows that take 25 MB each, one goes at a time: with 8 workers that take turns, too. */
+static void workers_who_take_turns_change_no_bit(void **state)
+{
+    (void)state;
+    enum { width = 65536, height = 20, last = 6 };
+    ncr_image map, filled[2];
+    ncr_harmonics out[2];
+    CHECK_STATUS(NCR_OK, ncr_image_init(ctx, width, height, 3, &map));
+    for (size_t k = 0; k < (size_t)3 * width * height; k++)
+        map.data[k] = (float)ncr_uniform(k, 41);
+    for (int k = 0; k < 2; k++) {
+        meter m = {0};
+        const ncr_ctx own = metered(&m, k ? 8 : 1);
+        CHECK_STATUS(NCR_OK, ncr_image_init(ctx, width, height, 3, &filled[k]));
+        CHECK_STATUS(NCR_OK, ncr_harmonics_init(&own, last, 3, &out[k]));
+        CHECK_STATUS(NCR_OK, ncr_harmonics_analyse(&own, &map, NULL, &out[k], NULL));
+        CHECK_STATUS(NCR_OK, ncr_harmonics_synthesise(&own, &out[k], NULL, NULL, &filled[k]));
+        CHECK(m.peak <= 80 << 20, "%zu bytes", (size_t)m.peak);
+    }
+    assert_memory_equal(out[0].data, out[1].data,
+                        (last + 1) * (last + 2) * 3 * sizeof *out[0].data);
+    assert_memory_equal(filled[0].data, filled[1].data,
+                        (size_t)3 * width * height * sizeof *map.data);
+    for (int k = 0; k < 2; k++) {
+        meter any = {0};
+        const ncr_ctx own = metered(&any, 1);
+        ncr_harmonics_dispose(&own, &out[k]);
+        ncr_image_dispose(ctx, &filled[k]);
+    }
+    ncr_image_dispose(ctx, &map);
 }
 
 static void a_map_is_analysed_with_little_beside_it(void **state)
@@ -245,6 +278,7 @@ int main(void)
         cmocka_unit_test(rows_and_levels_on_the_way_are_those_of_the_whole),
         cmocka_unit_test(a_first_level_is_made_while_it_is_written),
         cmocka_unit_test(transforms_of_the_largest_maps_stay_within_bounds),
+        cmocka_unit_test(workers_who_take_turns_change_no_bit),
         cmocka_unit_test(a_map_is_analysed_with_little_beside_it),
     };
     return cmocka_run_group_tests(tests, files_make_folder, files_remove_folder);
