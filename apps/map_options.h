@@ -43,8 +43,8 @@ typedef struct map_out_options {
 ncr_status map_in_read(const app *a, const map_in_options *o, const char *file,
                        ncr_directional_map *out, ncr_map_file_report *report);
 
-/** How OUT lies as a map of the kind that `flag` names; NULL is the cube. NCR_E_ARG also for options
- *  that exclude each other. */
+/** How OUT lies as a map of the kind that `flag` names; NULL is the cube. NCR_E_ARG also where
+ *  options exclude each other. */
 ncr_status map_out_layout(const app *a, const map_out_options *o, const char *flag,
                           const char *kind, ncr_map_stated *out);
 

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT
- * prefilters.h - light to filter, lobes to filter it by, and results against the sum over all texels. */
+ * prefilters.h - light to filter, lobes to filter it by, and the sum over all texels to compare with. */
 #ifndef NCR_TESTS_PREFILTERS_H
 #define NCR_TESTS_PREFILTERS_H
 

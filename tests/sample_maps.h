@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT
- * sample_maps.h - points about a scene, its texels, and what each of them sees, sought one by one. */
+ * sample_maps.h - points about a scene, its texels, and what each sees, sought one by one. */
 #ifndef NCR_TESTS_SAMPLE_MAPS_H
 #define NCR_TESTS_SAMPLE_MAPS_H
 
