@@ -123,20 +123,33 @@ static void widen(const float *in, size_t count, uint32_t channels, float *out)
             out[4 * k + c] = in[channels * k + c];
 }
 
-/* Four channels for each texel, and the rows and columns that lie over the edges: columns go round,
- * rows beyond a pole are those half a turn away. */
-static void spread_texels(const ncr_image *map, ncr_image *out)
+/* A row of the grid out of the map's that lies there: columns go round, and rows beyond a pole are
+ * those half a turn away. */
+static void spread_row(const ncr_image *map, const float *in, bool beyond, ncr_image *out,
+                       uint32_t y)
 {
-    const uint32_t w = map->width, h = map->height, b = NCR_GRID_BORDER;
-    for (uint32_t y = 0; y < out->height; y++) {
-        const bool above = y < b, below = y >= h + b;
-        const uint32_t row = above ? b - 1 - y : below ? 2 * h + b - 1 - y : y - b;
-        uint32_t from = (2 * w - b + (above || below ? w / 2 : 0)) % w;
-        for (uint32_t x = 0, count; x < out->width; x += count, from = 0) {
-            count = w - from < out->width - x ? w - from : out->width - x;
-            widen(ncr_image_at(map, from, row), count, map->channels, ncr_image_at(out, x, y));
-        }
+    const uint32_t w = map->width;
+    uint32_t from = (2 * w - NCR_GRID_BORDER + (beyond ? w / 2 : 0)) % w;
+    for (uint32_t x = 0, count; x < out->width; x += count, from = 0) {
+        count = w - from < out->width - x ? w - from : out->width - x;
+        widen(in + (size_t)from * map->channels, count, map->channels, ncr_image_at(out, x, y));
     }
+}
+
+/* Four channels for each texel, and a border around them. The map ends where the grid ends, in the
+ * same memory, and rows of the grid are longer: as they are made from the top, they stay short of
+ * the rows that are still to be read, but for the last, which have to be kept for the border.
+ *
+ * @param kept  [NCR_GRID_BORDER][width][channels] */
+static void spread_texels(const ncr_image *map, float *kept, ncr_image *out)
+{
+    const uint32_t h = map->height, b = NCR_GRID_BORDER;
+    const size_t floats = (size_t)map->width * map->channels;
+    memcpy(kept, ncr_image_at(map, 0, h - b), b * floats * sizeof *kept);
+    for (uint32_t y = 0; y < h + b; y++)
+        spread_row(map, ncr_image_at(map, 0, y < b ? b - 1 - y : y - b), y < b, out, y);
+    for (uint32_t k = 0; k < b; k++)
+        spread_row(map, kept + (b - 1 - k) * floats, true, out, h + b + k);
 }
 
 uint32_t ncr_grid_height(uint32_t last)
@@ -149,15 +162,18 @@ static ncr_status fill_texels(const ncr_ctx *ctx, const ncr_prefilter *p, const 
                               uint32_t height, ncr_image *out)
 {
     const uint32_t b = NCR_GRID_BORDER, channels = p->harmonics.channels;
-    ncr_image map;
-    ncr_status status = ncr_image_init(ctx, 2 * height, height, channels, &map);
-    if (!status)
+    const size_t floats = 2 * (size_t)height * channels;
+    ncr_image map = {.width = 2 * height, .height = height, .channels = channels};
+    float *kept = ncr_alloc(ctx, b * floats * sizeof *kept);
+    ncr_status status =
+        kept ? ncr_image_init(ctx, 2 * height + 2 * b, height + 2 * b, 4, out) : NCR_E_NOMEM;
+    if (!status) {
+        map.data = out->data + 4 * (size_t)out->width * out->height - height * floats;
         status = ncr_harmonics_synthesise(ctx, &p->harmonics, filter->lambda, NULL, &map);
+    }
     if (!status)
-        status = ncr_image_init(ctx, 2 * height + 2 * b, height + 2 * b, 4, out);
-    if (!status)
-        spread_texels(&map, out);
-    ncr_image_dispose(ctx, &map);
+        spread_texels(&map, kept, out);
+    ncr_free(ctx, kept);
     return status;
 }
 

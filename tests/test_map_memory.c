@@ -271,6 +271,34 @@ static void a_map_is_analysed_with_little_beside_it(void **state)
     assert_int_equal(m.now, 0);
 }
 
+/* The grid that other kinds are looked up in: 288 L^2 bytes for order L, and the spectrum it is
+ * made of while it is made. */
+static void a_grid_is_made_in_its_own_memory(void **state)
+{
+    (void)state;
+    enum { size = 256, last = 128 };
+    meter m = {0};
+    const ncr_ctx own = metered(&m, 2);
+    const ncr_lobe sharp = {.kind = NCR_LOBE_PHONG, .parameter = 4000};
+    ncr_directional_map map;
+    ncr_prefilter *p;
+    ncr_prefilter_grid *grid;
+    CHECK_STATUS(NCR_OK, ncr_directional_map_init(ctx, NCR_MAP_LATLONG, size, 3, &map));
+    CHECK_STATUS(NCR_OK, ncr_directional_map_fill(ctx, &map, 0, sky, NULL));
+    CHECK_STATUS(NCR_OK, ncr_prefilter_create_map(
+                             &own, &map, NCR_OPTS(ncr_prefilter_opts, .band_limit = last), &p));
+    const size_t before = m.now, square = (size_t)last * last;
+    m.peak = before;
+    CHECK_STATUS(NCR_OK, ncr_prefilter_grid_create(&own, p, &sharp, NULL, &grid, NULL));
+    CHECK(m.now - before >= 270 * square, "%zu bytes held", (size_t)m.now - before);
+    CHECK(m.now - before <= 310 * square, "%zu bytes held", (size_t)m.now - before);
+    CHECK(m.peak - before <= 410 * square, "%zu bytes", (size_t)m.peak - before);
+    ncr_prefilter_grid_destroy(&own, grid);
+    ncr_prefilter_destroy(&own, p);
+    ncr_directional_map_dispose(ctx, &map);
+    assert_int_equal(m.now, 0);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -280,6 +308,7 @@ int main(void)
         cmocka_unit_test(transforms_of_the_largest_maps_stay_within_bounds),
         cmocka_unit_test(workers_who_take_turns_change_no_bit),
         cmocka_unit_test(a_map_is_analysed_with_little_beside_it),
+        cmocka_unit_test(a_grid_is_made_in_its_own_memory),
     };
     return cmocka_run_group_tests(tests, files_make_folder, files_remove_folder);
 }
